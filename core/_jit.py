@@ -1,0 +1,75 @@
+"""The one decorator of all kernels, and the folder that their machine code is kept in.
+
+numba's own disk cache does not see an edit in a callee of another file, cannot be read under another
+package name (``iwis.core`` against ``bl_ext.user_default.iwis.core``) and ignores NUMBA_BOUNDSCHECK.
+So the folder's name is a hash of all three: whatever changes, the kernels are compiled anew.
+"""
+
+import hashlib
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import numba
+
+# Relaxed arithmetic that keeps NaN and infinity honest: "nnan" and "ninf" are left out, for
+# isfinite() must stay true to its name.
+FAST_MATH = frozenset({"nsz", "arcp", "contract", "afn", "reassoc"})
+
+
+def user_cache_dir() -> Path:
+    """The folder for everything that can be made again: IWIS_CACHE_DIR, else the user's cache."""
+    chosen = os.environ.get("IWIS_CACHE_DIR")
+    if chosen:
+        return Path(chosen)
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA") or str(Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = str(Path.home() / "Library" / "Caches")
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(base) / "iwis"
+
+
+def _code_key() -> str:
+    digest = hashlib.sha256(__name__.encode())
+    digest.update(repr((numba.__version__, sys.version_info[:3])).encode())
+    digest.update(os.environ.get("NUMBA_BOUNDSCHECK", "").encode())
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:24]
+
+
+def _writable_cache_dir() -> str:
+    """A folder that can be written, else a temporary one: a full disk must not stop a render."""
+    folder = user_cache_dir() / "numba" / _code_key()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError:
+        folder = Path(tempfile.gettempdir()) / f"iwis-numba-{_code_key()}"
+        folder.mkdir(parents=True, exist_ok=True)
+    return str(folder)
+
+
+_CACHE_DIR = _writable_cache_dir()
+
+
+def kernel(function=None, **options):
+    """Compile ``function`` with numba: cached by content, without the GIL, NaN-safe fast maths."""
+    if function is None:
+        return lambda wrapped: kernel(wrapped, **options)
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = _CACHE_DIR
+    try:
+        return numba.njit(
+            cache=True,
+            nogil=True,
+            error_model="numpy",
+            fastmath=set(FAST_MATH),
+            **options,
+        )(function)
+    finally:
+        numba.config.CACHE_DIR = before

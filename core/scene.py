@@ -1,0 +1,164 @@
+"""What is rendered: arrays that outlive Blender's data. No methods but the checks at the door.
+
+World space is Blender's: right-handed, z up, metres. Colours are linear Rec.709.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+EQUIRECTANGULAR, MIRROR_BALL = "EQUIRECTANGULAR", "MIRROR_BALL"
+LINEAR, CLOSEST = "LINEAR", "CLOSEST"
+PERSPECTIVE, ORTHOGRAPHIC = "PERSPECTIVE", "ORTHOGRAPHIC"
+
+# MaterialParams.model
+DIFFUSE, PRINCIPLED, GLOSSY, BLACK = 0, 1, 2, 3
+# MaterialParams.distribution
+GGX, MULTI_GGX, BECKMANN = 0, 1, 2
+
+
+class MaterialParams(NamedTuple):
+    """The parameters of a reflecting point, one row a material, or one row a shading point.
+
+    model: int8 (n,), DIFFUSE, PRINCIPLED, GLOSSY or BLACK (emission only)
+    distribution: int8 (n,), GGX, MULTI_GGX or BECKMANN
+    base_color: float32 (n, 3); metallic, roughness, ior, specular_level: float32 (n,)
+    specular_tint: float32 (n, 3); emission: float32 (n, 3), radiance (strength included)
+    """
+
+    model: np.ndarray
+    distribution: np.ndarray
+    base_color: np.ndarray
+    metallic: np.ndarray
+    roughness: np.ndarray
+    ior: np.ndarray
+    specular_level: np.ndarray
+    specular_tint: np.ndarray
+    emission: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TriangleMesh:
+    """All triangles of the scene, in world space, in one table.
+
+    vertices: float32 (n, 3); triangles: int32 (m, 3), indices into vertices
+    corner_normals: float32 (m, 3, 3), unit shading normals at the three corners (a flat face has its
+        geometric normal three times), on the side that the winding points to
+    material_index: int32 (m,), row of Scene.materials; object_index: int32 (m,), row of the objects
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    corner_normals: np.ndarray
+    material_index: np.ndarray
+    object_index: np.ndarray
+
+    def __post_init__(self):
+        m = len(self.triangles)
+        _expect("vertices", self.vertices, np.float32, (len(self.vertices), 3))
+        _expect("triangles", self.triangles, np.int32, (m, 3))
+        _expect("corner_normals", self.corner_normals, np.float32, (m, 3, 3))
+        _expect("material_index", self.material_index, np.int32, (m,))
+        _expect("object_index", self.object_index, np.int32, (m,))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class EnvironmentMap:
+    """Light at infinity: an image, how a direction finds its texel, and a factor.
+
+    radiance: float32 (h, w, 3), finite and >= 0; row 0 is the bottom row (looks along -z)
+    world_to_map: float32 (3, 4); a world direction d is looked up at world_to_map @ (d, 1),
+        normalised: Cycles' Mapping node
+    projection: EQUIRECTANGULAR or MIRROR_BALL; interpolation: LINEAR or CLOSEST
+    strength: float, or per channel float32 (3,), multiplies radiance
+    visible_to_camera: whether a camera ray that hits nothing shows it
+    name: of the image, for messages
+    """
+
+    radiance: np.ndarray
+    world_to_map: np.ndarray = field(default_factory=lambda: np.eye(3, 4, dtype=np.float32))
+    projection: str = EQUIRECTANGULAR
+    interpolation: str = LINEAR
+    strength: np.ndarray = field(default_factory=lambda: np.ones(3, np.float32))
+    visible_to_camera: bool = True
+    name: str = "world"
+
+    def __post_init__(self):
+        if self.radiance.ndim != 3 or self.radiance.shape[2] != 3 or 0 in self.radiance.shape:
+            raise ValueError(f"radiance must be (h, w, 3), got {self.radiance.shape}")
+        _expect("radiance", self.radiance, np.float32, self.radiance.shape)
+        _expect("world_to_map", self.world_to_map, np.float32, (3, 4))
+        _expect("strength", self.strength, np.float32, (3,))
+        if not np.isfinite(self.radiance).all() or self.radiance.min() < 0.0:
+            raise ValueError(f"world {self.name}: radiance must be finite and not negative")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Camera:
+    """Where rays start, and the part of the frame that is wanted.
+
+    kind: PERSPECTIVE or ORTHOGRAPHIC
+    camera_to_world: float64 (4, 4), rigid (no scale); the camera looks along its -z, y up
+    window: (left, right, bottom, top) of the whole frame: on the plane z = -1 for PERSPECTIVE,
+        in metres for ORTHOGRAPHIC; lens shift, sensor fit and pixel aspect are in it
+    width, height: pixels of the whole frame
+    region: (x0, y0, x1, y1), the pixels to render, x1 and y1 not included, y up from the bottom
+    clip_start, clip_end: metres along -z; hits outside are not seen by the camera
+    """
+
+    kind: str
+    camera_to_world: np.ndarray
+    window: tuple[float, float, float, float]
+    width: int
+    height: int
+    region: tuple[int, int, int, int]
+    clip_start: float
+    clip_end: float
+
+    def __post_init__(self):
+        x0, y0, x1, y1 = self.region
+        if self.kind not in (PERSPECTIVE, ORTHOGRAPHIC):
+            raise ValueError(f"camera kind {self.kind!r} is unknown")
+        if not (0 <= x0 < x1 <= self.width and 0 <= y0 < y1 <= self.height):
+            raise ValueError(f"camera region {self.region} is not inside {self.width}x{self.height}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Scene:
+    """All that one picture needs.
+
+    material_pass_index, object_pass_index: float32 (n,), values of the index passes
+    transparent_film: alpha 0 where the camera sees the world
+    exposure: factor of the film
+    """
+
+    mesh: TriangleMesh
+    materials: MaterialParams
+    environment: EnvironmentMap
+    camera: Camera
+    material_pass_index: np.ndarray
+    object_pass_index: np.ndarray
+    transparent_film: bool = False
+    exposure: float = 1.0
+
+    def __post_init__(self):
+        n_materials, n_objects = len(self.materials.model), len(self.object_pass_index)
+        if len(self.mesh.triangles) == 0:
+            return
+        if self.mesh.triangles.min() < 0 or self.mesh.triangles.max() >= len(self.mesh.vertices):
+            raise ValueError("a triangle names a vertex that is not there")
+        if not 0 <= self.mesh.material_index.min() <= self.mesh.material_index.max() < n_materials:
+            raise ValueError("a triangle names a material that is not there")
+        if not 0 <= self.mesh.object_index.min() <= self.mesh.object_index.max() < n_objects:
+            raise ValueError("a triangle names an object that is not there")
+
+
+def _expect(name, array, dtype, shape):
+    if array.dtype != dtype or array.shape != shape or not array.flags.c_contiguous:
+        raise ValueError(
+            f"{name} must be C-contiguous {np.dtype(dtype).name} {shape}, "
+            f"got {array.dtype} {array.shape}"
+        )

@@ -1,0 +1,99 @@
+"""Every setting of a render: its name, its default, what it may be. The one home of defaults."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+ESTIMATORS = ("PAPER", "UNBIASED")
+STOP_RULES = ("PAPER", "FIXED")
+PIXEL_FILTERS = ("CENTER",)
+DECORRELATIONS = ("PIXEL", "NONE")
+
+# Bounds that Blender's sliders and the command line share with the checks below: name -> (low, high).
+LIMITS = {
+    "error_threshold": (0.0, 10.0),
+    "max_samples": (1, 1 << 20),
+    "batch_size": (1, 1024),
+    "coefficients": (0.001, 1.0),
+    "seed": (0, (1 << 31) - 1),
+    "threads": (0, 1024),
+    "tile_px": (8, 256),
+}
+CHOICES = {
+    "estimator": ESTIMATORS,
+    "stop_rule": STOP_RULES,
+    "pixel_filter": PIXEL_FILTERS,
+    "decorrelation": DECORRELATIONS,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RenderSettings:
+    """What a user may choose. [Huang07, algorithm 1] names E, MAX and n.
+
+    error_threshold: E; a pixel is done when e_d <= E (0: never before max_samples)
+    max_samples: MAX, the most shadow rays of one pixel
+    batch_size: n, Halton points a round
+    estimator: PAPER (I_s K / N from the tables) or UNBIASED (each sample weighted by L B / pdf)
+    stop_rule: PAPER (e_d <= E) or FIXED (max_samples everywhere)
+    coefficients: fraction of the Haar coefficients that the paper's tables keep
+    pixel_filter: CENTER, one shading point at the pixel's centre
+    decorrelation: PIXEL (Halton points shifted by a hash of pixel and seed) or NONE, as printed in
+        the paper
+    seed: changes every shift
+    threads: worker threads, 0 = as many as cores
+    tile_px: side of a tile in pixels; pictures do not depend on it
+    cache_dir: folder of the tables; empty = the user's cache folder
+    """
+
+    error_threshold: float = 0.1
+    max_samples: int = 100
+    batch_size: int = 8
+    estimator: str = "UNBIASED"
+    stop_rule: str = "PAPER"
+    coefficients: float = 0.05
+    pixel_filter: str = "CENTER"
+    decorrelation: str = "PIXEL"
+    seed: int = 0
+    threads: int = 0
+    tile_px: int = 32
+    cache_dir: str = ""
+
+    def __post_init__(self):
+        for name, (low, high) in LIMITS.items():
+            value = getattr(self, name)
+            kind = int if isinstance(low, int) else float
+            if isinstance(value, bool) or not isinstance(value, (int, kind)):
+                raise ValueError(f"setting {name}: {value!r} is not {_a_number(kind)}")
+            if not low <= value <= high:  # NaN fails this too
+                raise ValueError(f"setting {name}: {value!r} is outside {low} ... {high}")
+        for name, choices in CHOICES.items():
+            value = getattr(self, name)
+            if value not in choices:
+                raise ValueError(f"setting {name}: {value!r} is none of {', '.join(choices)}")
+
+    @classmethod
+    def from_strings(cls, pairs: dict[str, str]) -> RenderSettings:
+        """Settings from NAME=VALUE texts, as on the command line. Raises ValueError by name."""
+        fields = {field.name: field for field in dataclasses.fields(cls)}
+        values = {}
+        for name, text in pairs.items():
+            if name not in fields:
+                raise ValueError(f"no setting {name!r}; there are {', '.join(fields)}")
+            values[name] = _parse(name, text, fields[name].type)
+        return cls(**values)
+
+
+def _a_number(kind) -> str:
+    return "a whole number" if kind is int else "a number"
+
+
+def _parse(name, text, type_name):
+    if type_name == "str":
+        return text.upper() if name in CHOICES else text
+    kind = {"int": int, "float": float}[type_name]
+    try:
+        return kind(text)
+    except ValueError:
+        raise ValueError(f"setting {name}: {text!r} is not {_a_number(kind)}") from None
