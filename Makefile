@@ -1,0 +1,53 @@
+# IWIS: make render, make test, make zip. Each makes the virtual environment that it needs.
+#
+#   PYTHON=python3.11   the interpreter: 3.13 (bpy 5.2) or 3.11 (bpy 4.5); else the first one found
+#   VENV=FOLDER         the environment's folder; else .venv-py313 or .venv-py311
+#   ARGS="-k haar -x"   more arguments of pytest
+#   PLATFORM=linux-x64 PY=cp314   one zip instead of all
+#   OUT=FOLDER          where make render writes; else out
+
+PYTHON ?=
+VENV ?=
+ARGS ?=
+PLATFORM ?=
+PY ?=
+OUT ?= out
+
+# Prints the environment's Python on standard output; quick when all is up to date.
+venv_python = PYTHON="$(PYTHON)" VENV="$(VENV)" scripts/venv.sh
+
+.PHONY: help render test lint zip test-blender venv clean distclean
+
+help:
+	@sed -n '1,/^$$/s/^# \{0,1\}//p' Makefile
+	@echo "targets: render test lint zip test-blender venv clean distclean"
+
+# Render sample_blends/ through `python -m iwis render`: EXR and PNG in out/.
+render:
+	@python="$$($(venv_python))" && "$$python" scripts/render_samples.py "$(OUT)"
+
+test:
+	@python="$$($(venv_python))" && "$$python" -m pytest $(ARGS)
+
+lint:
+	@python="$$($(venv_python))" && "$$python" -m ruff check . && "$$python" -m ruff format --check .
+
+# The extension: dist/iwis-VERSION-PLATFORM-cpXY.zip
+zip:
+	@python="$$($(venv_python))" && "$$python" scripts/build_zip.py \
+		$(if $(PLATFORM),--platform $(PLATFORM)) $(if $(PY),--python $(PY))
+
+# One render by a real Blender program (Debian's own; root, 1 GB) with the zip installed.
+test-blender:
+	@python="$$($(venv_python))" && tests/real_blender/render_test.sh "$$python"
+
+venv:
+	@$(venv_python)
+
+clean:
+	rm -rf build dist out *.egg-info .pytest_cache .ruff_cache
+	find . -name __pycache__ -not -path './.venv*' -prune -exec rm -rf {} +
+
+# Also what was downloaded.
+distclean: clean
+	rm -rf .venv* wheels
