@@ -1,0 +1,259 @@
+"""The BRDF of a shading point, sample by sample: its value, its density, a direction.
+
+Called once a sample: float32 throughout, and a point without gloss leaves after one dot product.
+eval_at, pdf_at and sample_at want a point that lobes_at has loaded, for all samples of that point;
+eval_brdf_cos, pdf_brdf and sample_brdf load it themselves, which doubles their cost.
+
+wi and wo are unit, world space, away from the surface. wi below the horizon of the *geometric*
+normal is not rejected here: whoever traces the shadow ray does that.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ._jit import kernel
+from .lobes import CONDUCTOR, CONDUCTOR_LOBE, DIELECTRIC, DIELECTRIC_LOBE, DIFFUSE_LOBE
+from .microfacet import (
+    FOUR,
+    HALF,
+    INV_PI,
+    ONE,
+    PI,
+    QUARTER,
+    TWO,
+    ZERO,
+    beckmann_d,
+    beckmann_lambda,
+    dielectric_blend,
+    ggx_d,
+    ggx_lambda,
+    sample_beckmann_normal,
+    sample_ggx_visible_normal,
+    schlick_weight,
+)
+from .scene import BECKMANN
+
+_TINY = np.float32(1e-12)
+_ALMOST_ONE = np.float32(1.0 - 2.0**-24)
+
+
+class LobesAt(NamedTuple):
+    """One point's row of Lobes as plain numbers, which kernels pass about for nothing.
+
+    (Handing on the tuple of arrays costs 300 ns a call: numba counts the references to each.)
+    """
+
+    kind: int
+    gaussian: bool  # the distribution is BECKMANN
+    alpha: np.float32
+    diffuse: tuple
+    dielectric_weight: tuple
+    dielectric_f0: tuple
+    fresnel: tuple
+    conductor_weight: tuple
+    conductor_f0: tuple
+    edge: tuple
+    normal: tuple
+    glossy_normal: tuple
+    wo: tuple
+    cos_o: np.float32
+    seen: np.float32
+    diffuse_share: np.float32
+
+
+@kernel(forceinline=True)
+def _row(a, p):
+    return a[p, 0], a[p, 1], a[p, 2]
+
+
+@kernel(forceinline=True)
+def _row2(a, p, i):
+    return a[p, i, 0], a[p, i, 1], a[p, i, 2]
+
+
+@kernel(forceinline=True)
+def lobes_at(lobes, p):
+    """Row p of lobes: load it once for all samples of a point (25 ns)."""
+    return LobesAt(
+        lobes.kind[p],
+        lobes.distribution[p] == BECKMANN,
+        lobes.alpha[p],
+        _row(lobes.diffuse, p),
+        _row2(lobes.weight, p, DIELECTRIC),
+        _row2(lobes.f0, p, DIELECTRIC),
+        _row(lobes.fresnel, p),
+        _row2(lobes.weight, p, CONDUCTOR),
+        _row2(lobes.f0, p, CONDUCTOR),
+        _row(lobes.edge, p),
+        _row(lobes.normal, p),
+        _row(lobes.glossy_normal, p),
+        _row(lobes.wo, p),
+        lobes.cos_o[p],
+        lobes.seen[p],
+        lobes.diffuse_share[p],
+    )
+
+
+@kernel(forceinline=True)
+def _dot(a, x, y, z):
+    return a[0] * x + a[1] * y + a[2] * z
+
+
+@kernel(forceinline=True)
+def _half_vector(at, wi_x, wi_y, wi_z):
+    """(sine squared of the angle between h and the glossy normal, their cosine, wo . h)."""
+    hx, hy, hz = at.wo[0] + wi_x, at.wo[1] + wi_y, at.wo[2] + wi_z
+    length2 = max(hx * hx + hy * hy + hz * hz, _TINY)
+    scale = ONE / math.sqrt(length2)
+    # By the chord between both unit vectors: 1 - cos^2 has no digits left where the lobe is sharp.
+    m = at.glossy_normal
+    dx, dy, dz = hx * scale - m[0], hy * scale - m[1], hz * scale - m[2]
+    chord2 = dx * dx + dy * dy + dz * dz
+    return max(chord2 * (ONE - QUARTER * chord2), ZERO), ONE - HALF * chord2, HALF * length2 * scale
+
+
+@kernel(forceinline=True)
+def eval_at(at, wi_x, wi_y, wi_z):
+    """The BRDF times the cosine of wi: (r, g, b) of the Lambert lobe, then (r, g, b) of the gloss.
+
+    at: LobesAt; wi_x, wi_y, wi_z: float32
+    """
+    cos_n = max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO)
+    scale = cos_n * INV_PI
+    dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale
+    if at.kind <= DIFFUSE_LOBE:
+        return dr, dg, db, ZERO, ZERO, ZERO
+    cos_i = _dot(at.glossy_normal, wi_x, wi_y, wi_z)
+    if cos_i <= ZERO or cos_n <= ZERO:
+        return dr, dg, db, ZERO, ZERO, ZERO
+
+    sin2, _, cos_h = _half_vector(at, wi_x, wi_y, wi_z)
+    alpha2 = at.alpha * at.alpha
+    if at.gaussian:
+        density, hidden = beckmann_d(alpha2, sin2), beckmann_lambda(alpha2, cos_i)
+    else:
+        density, hidden = ggx_d(alpha2, sin2), ggx_lambda(alpha2, cos_i)
+    scale = density / (FOUR * at.cos_o * (at.seen + hidden))
+    gr = gg = gb = ZERO
+    if at.kind & DIELECTRIC_LOBE:
+        w, f0 = at.dielectric_weight, at.dielectric_f0
+        s = dielectric_blend(cos_h, at.fresnel[0], at.fresnel[1], at.fresnel[2])
+        gr = w[0] * (f0[0] + (ONE - f0[0]) * s)
+        gg = w[1] * (f0[1] + (ONE - f0[1]) * s)
+        gb = w[2] * (f0[2] + (ONE - f0[2]) * s)
+    if at.kind & CONDUCTOR_LOBE:
+        w, f0, edge = at.conductor_weight, at.conductor_f0, at.edge
+        s = schlick_weight(cos_h)
+        t = cos_h * s * (ONE - cos_h)
+        gr += w[0] * _metal(f0[0], edge[0], s, t)
+        gg += w[1] * _metal(f0[1], edge[1], s, t)
+        gb += w[2] * _metal(f0[2], edge[2], s, t)
+    return dr, dg, db, gr * scale, gg * scale, gb * scale
+
+
+@kernel(forceinline=True)
+def _metal(f0, edge, s, t):
+    return min(max(f0 + (ONE - f0) * s - edge * t, ZERO), ONE)
+
+
+@kernel(forceinline=True)
+def pdf_at(at, wi_x, wi_y, wi_z):
+    """The density of sample_at, sr^-1. Its integral over the *sphere* is 1.
+
+    Facets mirror some samples to below the horizon, where the BRDF is 0: they are counted.
+    """
+    if at.kind == 0:
+        return ZERO
+    cos_n = _dot(at.normal, wi_x, wi_y, wi_z)
+    pdf = at.diffuse_share * max(cos_n, ZERO) * INV_PI
+    if at.kind == DIFFUSE_LOBE:
+        return pdf
+    sin2, cos_m, cos_h = _half_vector(at, wi_x, wi_y, wi_z)
+    if cos_m <= ZERO:
+        return pdf
+    alpha2 = at.alpha * at.alpha
+    if at.gaussian:
+        gloss = beckmann_d(alpha2, sin2) * cos_m / (FOUR * cos_h)
+    else:
+        gloss = ggx_d(alpha2, sin2) / (FOUR * at.cos_o * at.seen)
+    return pdf + (ONE - at.diffuse_share) * gloss
+
+
+@kernel(forceinline=True)
+def _basis(n):
+    """Two unit vectors that make a right-handed frame with the unit vector [Duff17]."""
+    x, y, z = n
+    sign = math.copysign(ONE, z)
+    a = -ONE / (sign + z)
+    b = x * y * a
+    return (ONE + sign * x * x * a, sign * b, -sign * x), (b, sign + y * y * a, -y)
+
+
+@kernel(forceinline=True)
+def _to_world(s, t, n, x, y, z):
+    return (
+        x * s[0] + y * t[0] + z * n[0],
+        x * s[1] + y * t[1] + z * n[1],
+        x * s[2] + y * t[2] + z * n[2],
+    )
+
+
+@kernel(forceinline=True)
+def sample_at(at, u1, u2):
+    """A direction and its density: (wi_x, wi_y, wi_z, pdf); u1, u2: float32 in [0, 1).
+
+    wi may be below the horizon (the BRDF is 0 there). pdf is 0 only where nothing reflects.
+    """
+    share = at.diffuse_share
+    if at.kind == 0:
+        x, y, z = at.normal
+    elif u1 < share:
+        x, y, z = _sample_lambert(at, min(u1 / share, _ALMOST_ONE), u2)
+    else:
+        x, y, z = _sample_gloss(at, min((u1 - share) / (ONE - share), _ALMOST_ONE), u2)
+    return x, y, z, pdf_at(at, x, y, z)
+
+
+@kernel(forceinline=True)
+def _sample_lambert(at, u1, u2):
+    """A direction with density cos / pi."""
+    s, t = _basis(at.normal)
+    phi = TWO * PI * u2
+    r = math.sqrt(u1)
+    z = math.sqrt(max(ONE - u1, _TINY))
+    return _to_world(s, t, at.normal, r * math.cos(phi), r * math.sin(phi), z)
+
+
+@kernel(forceinline=True)
+def _sample_gloss(at, u1, u2):
+    """wo, mirrored by a facet."""
+    wo = at.wo
+    s, t = _basis(at.glossy_normal)
+    if at.gaussian:
+        x, y, z = sample_beckmann_normal(at.alpha, u1, u2)
+    else:
+        wo_x, wo_y = _dot(wo, s[0], s[1], s[2]), _dot(wo, t[0], t[1], t[2])
+        x, y, z = sample_ggx_visible_normal(wo_x, wo_y, at.cos_o, at.alpha, u1, u2)
+    hx, hy, hz = _to_world(s, t, at.glossy_normal, x, y, z)
+    twice = TWO * _dot(wo, hx, hy, hz)
+    return twice * hx - wo[0], twice * hy - wo[1], twice * hz - wo[2]
+
+
+@kernel(forceinline=True)
+def eval_brdf_cos(lobes, p, wi_x, wi_y, wi_z):
+    """eval_at of row p."""
+    return eval_at(lobes_at(lobes, p), wi_x, wi_y, wi_z)
+
+
+@kernel(forceinline=True)
+def pdf_brdf(lobes, p, wi_x, wi_y, wi_z):
+    """pdf_at of row p."""
+    return pdf_at(lobes_at(lobes, p), wi_x, wi_y, wi_z)
+
+
+@kernel(forceinline=True)
+def sample_brdf(lobes, p, u1, u2):
+    """sample_at of row p."""
+    return sample_at(lobes_at(lobes, p), u1, u2)

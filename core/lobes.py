@@ -1,0 +1,285 @@
+"""The lobes of a material at a shading point: what every sample of the point shares.
+
+The model is Cycles' (4.5 and 5.2 agree): a Lambert lobe under one microsurface. That surface
+reflects by up to two Fresnel curves, for Principled gives its dielectric layer and its metal one
+roughness and one normal. The layers share the light as in Cycles: by the metallic weight, and what
+is under the dielectric gets what that leaves over on average (albedo_tables). MULTI_GGX makes up
+for the light that is lost between facets [Kulla17].
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ._jit import kernel
+from .albedo_tables import albedo_tables, read_1d, read_2d, read_3d
+from .microfacet import (
+    HALF,
+    MIN_ALPHA,
+    ONE,
+    TWO,
+    ZERO,
+    beckmann_lambda,
+    dielectric_mean,
+    f0_of_ior,
+    f82_edge,
+    f82_mean,
+    ggx_lambda,
+    ior_of_f0,
+)
+from .scene import BECKMANN, DIFFUSE, GLOSSY, MULTI_GGX, PRINCIPLED, MaterialParams
+
+# Bits of Lobes.kind
+DIFFUSE_LOBE, DIELECTRIC_LOBE, CONDUCTOR_LOBE = 1, 2, 4
+# Rows of Lobes.weight and Lobes.f0
+DIELECTRIC, CONDUCTOR = 0, 1
+
+_CUTOFF = np.float32(1e-5)  # Cycles leaves out metal that weighs less
+
+
+class Lobes(NamedTuple):
+    """The BRDF at n shading points. Vectors are unit, in world space, away from the surface.
+
+    brdf * cos = diffuse / pi * max(normal . wi, 0)
+               + sum of weight F(wo . h) over both curves * D(h) / (4 cos_o (seen + Lambda(wi)))
+
+    kind: int8 (n,), which lobes there are: DIFFUSE_LOBE | DIELECTRIC_LOBE | CONDUCTOR_LOBE
+    distribution: int8 (n,), GGX, MULTI_GGX (the same D and Lambda) or BECKMANN
+    alpha: float32 (n,), width of D
+    diffuse: float32 (n, 3), reflectance of the Lambert lobe, layers above deducted; at once Cycles'
+        Diffuse Color
+    weight, f0: float32 (n, 2, 3), factor of the curve, and its value along the normal:
+        DIELECTRIC: F = f0 + (1 - f0) dielectric_blend(cos, *fresnel)
+        CONDUCTOR: F = f0 + (1 - f0) (1 - cos)^5 - edge cos (1 - cos)^6, cut to 0 ... 1
+    edge: float32 (n, 3); fresnel: float32 (n, 3), what dielectric_blend wants of the index
+    normal: float32 (n, 3), shading normal, on the viewer's side of the geometry
+    glossy_normal: float32 (n, 3), the same, turned so far that the mirrored wo leaves the geometry
+    wo: float32 (n, 3); cos_o, seen: float32 (n,), glossy_normal . wo and 1 + Lambda(wo)
+    diffuse_share: float32 (n,), how often sample_brdf takes the Lambert lobe
+    glossy_color: float32 (n, 3), Cycles' Glossy Color; emission: float32 (n, 3), radiance
+    """
+
+    kind: np.ndarray
+    distribution: np.ndarray
+    alpha: np.ndarray
+    diffuse: np.ndarray
+    weight: np.ndarray
+    f0: np.ndarray
+    edge: np.ndarray
+    fresnel: np.ndarray
+    normal: np.ndarray
+    glossy_normal: np.ndarray
+    wo: np.ndarray
+    cos_o: np.ndarray
+    seen: np.ndarray
+    diffuse_share: np.ndarray
+    glossy_color: np.ndarray
+    emission: np.ndarray
+
+
+def setup_lobes(
+    params: MaterialParams, normal: np.ndarray, geometric_normal: np.ndarray, wo: np.ndarray
+) -> Lobes:
+    """The lobes of n points.
+
+    params: one row a point
+    normal, geometric_normal: float32 (n, 3), unit, both on the mesh's own front side: where that is
+        turned away from wo they are flipped here, for reflection is two-sided
+    wo: float32 (n, 3), unit, to the viewer
+    """
+    n = len(normal)
+    shapes = {"weight": (n, 2, 3), "f0": (n, 2, 3)}
+    shapes |= dict.fromkeys(("alpha", "cos_o", "seen", "diffuse_share"), (n,))
+    out = {name: np.zeros(shapes.get(name, (n, 3)), np.float32) for name in Lobes._fields}
+    out |= {name: np.zeros(n, np.int8) for name in ("kind", "distribution")}
+    lobes = Lobes(**out)
+    _setup(params, normal, geometric_normal, wo, albedo_tables(), lobes)
+    return lobes
+
+
+@kernel
+def _setup(params, normal, geometric_normal, wo, tables, out):
+    for p in range(normal.shape[0]):
+        facing = np.float32(1.0 if _dot(geometric_normal[p], wo[p]) >= ZERO else -1.0)
+        for c in range(3):
+            out.normal[p, c] = normal[p, c] * facing
+            out.wo[p, c] = wo[p, c]
+            out.emission[p, c] = params.emission[p, c]
+        _set_glossy_normal(geometric_normal[p], facing, p, out)
+        _set_microsurface(params, p, out)
+        model = params.model[p]
+        if model == DIFFUSE:
+            for c in range(3):
+                out.diffuse[p, c] = max(params.base_color[p, c], ZERO)
+        elif model == PRINCIPLED:
+            rest = _add_metal(params, p, tables, out)
+            _add_dielectric(params, p, rest, tables, out)
+        elif model == GLOSSY:
+            _add_mirror(params, p, tables, out)
+        _set_kind(p, out)
+
+
+@kernel
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def _clip(x):
+    return min(max(x, ZERO), ONE)
+
+
+@kernel
+def _set_glossy_normal(geometric_normal, facing, p, out):
+    """Write the normal nearest to the shading normal whose mirrored wo clears the surface.
+
+    In the plane of both normals, n = (sin a, cos a) with the geometric normal at a = 0, the
+    mirrored wo stands at height wo_x sin 2a + wo_z cos 2a. It must reach ``height``, so that
+    a = (atan2(wo_x, wo_z) + acos(height / |wo_xz|)) / 2 at most. Cycles asks for the same height.
+    """
+    n, g, wo = out.normal[p], out.glossy_normal[p], out.wo[p]
+    for c in range(3):
+        g[c] = n[c]
+    cos_o = _dot(n, wo)
+    wo_z = _dot(geometric_normal, wo) * facing
+    n_z = _dot(geometric_normal, n) * facing
+    height = min(np.float32(0.9) * wo_z, np.float32(0.01))
+    side2 = ONE - n_z * n_z
+    if TWO * cos_o * n_z - wo_z < height and side2 > np.float32(1e-12):
+        side = ONE / math.sqrt(side2)
+        wo_x = (cos_o - n_z * wo_z) * side
+        length = math.sqrt(wo_x * wo_x + wo_z * wo_z)
+        angle = HALF * (math.atan2(wo_x, wo_z) + math.acos(min(height / length, ONE)))
+        sin_a, cos_a = math.sin(angle), math.cos(angle)
+        for c in range(3):
+            g_c = geometric_normal[c] * facing
+            g[c] = sin_a * (n[c] - n_z * g_c) * side + cos_a * g_c
+    out.cos_o[p] = _dot(g, wo)
+
+
+@kernel
+def _set_microsurface(params, p, out):
+    roughness = _clip(params.roughness[p])
+    alpha = max(roughness * roughness, MIN_ALPHA)
+    out.alpha[p] = alpha
+    out.distribution[p] = params.distribution[p]
+    out.seen[p] = ONE
+    if out.cos_o[p] > ZERO:
+        if params.distribution[p] == BECKMANN:
+            out.seen[p] += beckmann_lambda(alpha * alpha, out.cos_o[p])
+        else:
+            out.seen[p] += ggx_lambda(alpha * alpha, out.cos_o[p])
+
+
+@kernel
+def _albedos(params, p, tables, cos_o):
+    """Share of light that leaves at the first facet, for this wo and on average; 1, 1 if all."""
+    if params.distribution[p] != MULTI_GGX:
+        return ONE, ONE
+    roughness = _clip(params.roughness[p])
+    return read_2d(tables.albedo, cos_o, roughness), read_1d(tables.mean_albedo, roughness)
+
+
+@kernel
+def _gain(albedo, mean_albedo, fresnel_mean):
+    """The factor that brings the later bounces between facets back [Kulla17]."""
+    later = fresnel_mean * mean_albedo / (ONE - fresnel_mean * (ONE - mean_albedo))
+    return ONE + later * (ONE - albedo) / albedo
+
+
+@kernel
+def _add_metal(params, p, tables, out):
+    """Write the metal's curve; what it leaves over of the light is returned."""
+    metallic = _clip(params.metallic[p])
+    if metallic <= _CUTOFF:
+        return ONE
+    cos_o = out.cos_o[p]
+    albedo, mean_albedo = _albedos(params, p, tables, cos_o)
+    blend = read_2d(tables.metal, cos_o, _clip(params.roughness[p]))
+    for c in range(3):
+        f0 = _clip(params.base_color[p, c])
+        edge = f82_edge(f0, _clip(params.specular_tint[p, c]))
+        gain = _gain(albedo, mean_albedo, f82_mean(f0, edge))
+        out.f0[p, CONDUCTOR, c] = f0
+        out.edge[p, c] = edge
+        out.weight[p, CONDUCTOR, c] = metallic * gain
+        out.glossy_color[p, c] += metallic * gain * albedo * (f0 + (ONE - f0) * blend)
+    return ONE - metallic
+
+
+@kernel
+def _dielectric_index(params, p):
+    """Index of refraction, and reflectance along the normal: the specular level is in both."""
+    eta = max(params.ior[p], _CUTOFF)
+    f0 = f0_of_ior(eta)
+    level = max(params.specular_level[p], ZERO)
+    if level != HALF:
+        f0 *= TWO * level
+        scaled = ior_of_f0(f0)
+        eta = ONE / scaled if eta < ONE else scaled
+    return eta, f0
+
+
+@kernel
+def _add_dielectric(params, p, rest, tables, out):
+    """Write the layer over the Lambert lobe and that lobe; rest: light that is left for both."""
+    eta, f0 = _dielectric_index(params, p)
+    layer = ZERO  # of the light, the share that does not pass: that of the most reflective channel
+    if eta != ONE:
+        cos_o = out.cos_o[p]
+        albedo, mean_albedo = _albedos(params, p, tables, cos_o)
+        f0_real = f0_of_ior(eta)
+        index = math.sqrt(abs((eta - ONE) / (eta + ONE)))
+        blend = read_3d(tables.dielectric, index, cos_o, _clip(params.roughness[p]))
+        blend_mean = _clip((dielectric_mean(eta) - f0_real) / (ONE - f0_real))
+        out.fresnel[p, 0] = eta * eta - ONE
+        out.fresnel[p, 1] = f0_real
+        out.fresnel[p, 2] = ONE / (ONE - f0_real)
+        for c in range(3):
+            f0_c = _clip(f0 * max(params.specular_tint[p, c], ZERO))
+            gain = _gain(albedo, mean_albedo, f0_c + (ONE - f0_c) * blend_mean)
+            color = gain * albedo * (f0_c + (ONE - f0_c) * blend)
+            out.f0[p, DIELECTRIC, c] = f0_c
+            out.weight[p, DIELECTRIC, c] = rest * gain
+            out.glossy_color[p, c] += rest * color
+            layer = max(layer, color)
+    for c in range(3):
+        out.diffuse[p, c] = max(params.base_color[p, c], ZERO) * rest * _clip(ONE - layer)
+
+
+@kernel
+def _add_mirror(params, p, tables, out):
+    """Write a curve that reflects all, times the color: the Glossy BSDF."""
+    albedo, mean_albedo = _albedos(params, p, tables, out.cos_o[p])
+    for c in range(3):
+        color = max(params.base_color[p, c], ZERO)
+        gain = _gain(albedo, mean_albedo, color)
+        out.f0[p, CONDUCTOR, c] = ONE
+        out.weight[p, CONDUCTOR, c] = color * gain
+        out.glossy_color[p, c] = color * gain * albedo
+
+
+@kernel
+def _luminance(rgb):
+    return np.float32(0.2126) * rgb[0] + np.float32(0.7152) * rgb[1] + np.float32(0.0722) * rgb[2]
+
+
+@kernel
+def _set_kind(p, out):
+    """Write which lobes are there, and how often each is sampled: by what it reflects in all."""
+    kind = 0
+    if max(out.diffuse[p, 0], out.diffuse[p, 1], out.diffuse[p, 2]) > ZERO:
+        kind |= DIFFUSE_LOBE
+    if out.cos_o[p] > ZERO:
+        for row, bit in ((DIELECTRIC, DIELECTRIC_LOBE), (CONDUCTOR, CONDUCTOR_LOBE)):
+            w = out.weight[p, row]
+            if max(w[0], w[1], w[2]) > ZERO:
+                kind |= bit
+    out.kind[p] = kind
+    diffuse, glossy = _luminance(out.diffuse[p]), _luminance(out.glossy_color[p])
+    if kind == DIFFUSE_LOBE:
+        out.diffuse_share[p] = ONE
+    elif kind & DIFFUSE_LOBE:
+        # A glossy lobe may be far brighter than its estimate in some direction: never starve it.
+        out.diffuse_share[p] = min(diffuse / (diffuse + glossy), np.float32(0.9))
