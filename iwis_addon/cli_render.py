@@ -1,0 +1,115 @@
+"""The part of the command line that needs bpy: open, set, render, say what it cost."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import bpy
+
+from ..core.settings import RenderSettings
+from . import preferences, registration
+from .cli import CommandError
+from .job import ENGINE, FrameStats, RenderJob, stats_by_frame
+from .settings import apply_settings
+
+
+def render_file(options, settings: RenderSettings, file_format: str) -> list[FrameStats]:
+    """Render what the command line asks for; return what each frame cost. Raises CommandError."""
+    if settings.cache_dir:
+        os.environ[preferences.ENVIRONMENT] = settings.cache_dir
+    registration.register()
+    try:
+        scene = _open(options.file)
+        _prepare(scene, options, settings, file_format)
+        return _render(scene, options)
+    finally:
+        # bpy 4.5 hangs at exit when a scene still names the engine, or its class is registered.
+        for scene in bpy.data.scenes:
+            if scene.render.engine == ENGINE:
+                scene.render.engine = "BLENDER_WORKBENCH"
+        registration.unregister()
+
+
+def _open(path: Path):
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        raise CommandError(f"{path}: cannot be opened: {_one_line(error)}") from None
+    return bpy.context.scene
+
+
+def _prepare(scene, options, settings, file_format) -> None:
+    render = scene.render
+    render.engine = ENGINE
+    apply_settings(scene, settings, [name for name, _value in options.pairs])
+    if options.resolution:
+        render.resolution_x, render.resolution_y = options.resolution
+        render.resolution_percentage = 100
+    image = render.image_settings
+    if hasattr(image, "media_type"):  # Blender 5: to be set before the format
+        multilayer = file_format == "OPEN_EXR_MULTILAYER"
+        image.media_type = "MULTI_LAYER_IMAGE" if multilayer else "IMAGE"
+    image.file_format = file_format
+    if file_format == "OPEN_EXR_MULTILAYER":
+        image.color_depth = "32"  # half floats would round positions and sample counts
+    render.use_overwrite, render.use_placeholder = True, False
+
+
+def _render(scene, options) -> list[FrameStats]:
+    animation = options.start is not None
+    if animation:
+        scene.frame_start, scene.frame_end, scene.frame_step = options.start, options.end, 1
+        path = _with_digits(options.output)
+    else:
+        if options.frame is not None:
+            scene.frame_set(options.frame)
+        path = _numbered(options.output, scene.frame_current)
+    scene.render.filepath = _for_blender(path)
+    try:
+        bpy.ops.render.render(animation=animation, write_still=not animation)
+    except RuntimeError as error:
+        raise CommandError(_one_line(error)) from None
+    frames = stats_by_frame(RenderJob.get().records)
+    if not frames:
+        raise CommandError(f"{options.file}: nothing was rendered; is a view layer on?")
+    for frame in frames:
+        print(describe(frame, _numbered(path, frame.frame)))
+    return frames
+
+
+def describe(frame: FrameStats, path: Path) -> str:
+    """One line that says what was rendered and what it cost."""
+    stats = frame.stats
+    phases = ", ".join(f"{phase} {seconds:.2f} s" for phase, seconds in stats.seconds.items())
+    return (
+        f"frame {frame.frame}: {stats.width}x{stats.height}, "
+        f"{stats.samples_mean:.1f} samples a pixel (at most {stats.samples_max}), "
+        f"{stats.primary_rays} camera rays, {stats.shadow_rays} shadow rays; {phases}; {path}"
+    )
+
+
+def _with_digits(path: Path) -> Path:
+    """The path with four # before its suffix where it has none: frames must not share a file."""
+    return path if "#" in path.name else path.with_name(f"{path.stem}####{path.suffix}")
+
+
+def _numbered(path: Path, frame: int) -> Path:
+    """The path with its last run of # replaced by the frame's number, as Blender does it."""
+    name = re.sub(r"#+(?=[^#]*$)", lambda match: f"{frame:0{len(match[0])}d}", path.name)
+    return path.with_name(name)
+
+
+def _for_blender(path: Path) -> str:
+    """An absolute path that Blender takes as it is: from 5.0 on braces are templates to it."""
+    text = str(path.resolve())
+    if bpy.app.version >= (5, 0, 0):
+        text = text.replace("{", "{{").replace("}", "}}")
+    return text
+
+
+def _one_line(error: Exception) -> str:
+    """Blender's reports, without their 'Error: ' and each once."""
+    lines = (line.strip().removeprefix("Error: ") for line in str(error).splitlines())
+    return "; ".join(dict.fromkeys(line for line in lines if line))

@@ -1,0 +1,84 @@
+"""The engine as Blender sees it: callbacks that delegate, and the only catch-all of errors."""
+
+from __future__ import annotations
+
+import logging
+
+import bpy
+
+from .dependencies import MissingPackage
+from .export import ExportError
+from .job import ENGINE, RenderJob
+from .passes import register_passes
+from .session import FinalRender
+
+log = logging.getLogger(__name__)
+
+# Failures that say by themselves what is wrong and what to do; others need a traceback.
+_SELF_EXPLAINING = (ExportError, MissingPackage, OSError, ValueError)
+
+
+class IWISRenderEngine(bpy.types.RenderEngine):
+    """Direct light of an HDRI, with as many samples a pixel as the eye needs there."""
+
+    bl_idname = ENGINE
+    bl_label = "IWIS"
+    bl_use_postprocess = True  # or Blender skips compositing
+    bl_use_shading_nodes_custom = False  # or Cycles' shader nodes are hidden
+    bl_use_eevee_viewport = True  # Material Preview is EEVEE's
+    bl_use_preview = False  # Blender lights material previews with lamps, not with an HDRI
+    bl_use_spherical_stereo = False
+
+    def update(self, data=None, depsgraph=None):
+        """Export, while Blender keeps its windows still. A failure waits for render()."""
+        self.failure = None
+        self.session = FinalRender(self, depsgraph, RenderJob.get())
+        try:
+            self.session.export(depsgraph)
+        except Exception as error:
+            self.failure = error
+
+    def render(self, depsgraph):
+        """Render; on any failure deliver a valid result first, then say what is wrong."""
+        session, self.session = self.session, None
+        try:
+            if self.failure is not None:
+                raise self.failure
+            session.run(depsgraph)
+        except Exception as error:
+            self.failure = error
+        session.complete()
+        self.tell_failure()
+
+    def update_render_passes(self, scene=None, renderlayer=None):
+        register_passes(self, scene, renderlayer)
+
+    def tell_failure(self) -> None:
+        """Report a failure to Blender, which then stops the job with exit code 1.
+
+        Only `report` does so, and only after a result; `error_set` shows the text above the picture,
+        and would print it once more in background mode.
+        """
+        failure, self.failure = self.failure, None
+        if failure is None:
+            return
+        known = isinstance(failure, _SELF_EXPLAINING)
+        text = str(failure) if known else f"{type(failure).__name__}: {failure}"
+        if not known:
+            log.error("IWIS: rendering failed", exc_info=failure)
+        self.report({"ERROR"}, text)
+        if not bpy.app.background:
+            self.error_set(text)
+
+
+CLASSES = (IWISRenderEngine,)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

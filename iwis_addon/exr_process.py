@@ -1,0 +1,63 @@
+"""Write an OpenEXR file without loading the OpenEXR package into Blender's own process.
+
+Inside a Blender program the package's calls bind to the OpenEXR that Blender has loaded, which
+crashes some versions. There it runs in a process of Blender's Python, which executes this file;
+beside the bpy module it is sound and is called directly.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+_ROOT = Path(__file__).resolve().parent.parent
+_SECONDS = 600
+
+
+def write_exr(
+    path: str, layers: dict[str, np.ndarray], letters: dict[str, str], inside_blender: bool
+) -> None:
+    """Write float32 (height, width, channels) layers, row 0 at the bottom, to one file.
+
+    letters: name of a layer -> one letter a channel
+    Raises OSError when the file cannot be written, ImportError without the OpenEXR package.
+    """
+    if not inside_blender:
+        from ..core.exr import write_exr_layers
+
+        write_exr_layers(path, layers, view_layer="", letters=letters)
+        return
+    with tempfile.TemporaryDirectory(prefix="iwis-") as folder:
+        arrays = os.path.join(folder, "layers.npz")
+        np.savez(arrays, **layers)
+        _run_child(arrays, path, letters)
+
+
+def _run_child(arrays, path, letters):
+    """Blender's Python finds this add-on, its wheels and numpy where this process finds them."""
+    name = f"{_ROOT.name}.{Path(__file__).parent.name}.{Path(__file__).stem}"
+    environment = dict(os.environ, PYTHONPATH=os.pathsep.join([str(_ROOT.parent), *sys.path]))
+    child = subprocess.run(
+        [sys.executable, "-m", name, arrays, path, json.dumps(letters)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=_SECONDS,
+        check=False,
+    )
+    if child.returncode:
+        lines = child.stderr.strip().splitlines() or [f"exit code {child.returncode}"]
+        raise OSError(f"{path}: cannot be written: {lines[-1]}")
+
+
+def _child(arrays: str, path: str, letters: str) -> None:
+    with np.load(arrays) as layers:
+        write_exr(path, dict(layers), json.loads(letters), inside_blender=False)
+
+
+if __name__ == "__main__":
+    _child(*sys.argv[1:])

@@ -1,0 +1,177 @@
+"""What outlives Blender's engine object, from the start of a render job to its end.
+
+Blender makes a new engine object for every frame, and keeps it only with Persistent Data on
+(4.5 and 5.2 alike). So caches that span an animation, and the figures and films that the command
+line and the operators read afterwards, are kept here: made by `render_init`, let go by
+`render_complete` or `render_cancel`; with Persistent Data they stay until another file is loaded or
+the option is turned off.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..core.film import Film
+from ..core.stats import RenderStats
+from .export import ExportCache
+
+log = logging.getLogger(__name__)
+
+ENGINE = "IWIS"
+
+
+@dataclass(frozen=True, slots=True)
+class RenderRecord:
+    """What one view of one view layer of one frame cost."""
+
+    frame: int
+    layer: str
+    view: str
+    stats: RenderStats
+
+
+class RenderJob:
+    """Caches of a job, what its renders cost, and their films where a user keeps them.
+
+    records: one a frame, view layer and view, in the order of rendering
+    films: (view layer, view) -> Film of the last frame, filled with `scene.iwis.keep_film`
+    """
+
+    current: ClassVar[RenderJob | None] = None
+
+    def __init__(self):
+        self.records: list[RenderRecord] = []
+        self.films: dict[tuple[str, str], Film] = {}
+        self._warned: set[str] = set()
+        self.export_cache = ExportCache()
+        self._render_cache = None
+        self.mark_rendered()
+
+    @classmethod
+    def get(cls) -> RenderJob:
+        """The running or last job; a new one if there was none."""
+        if cls.current is None:
+            cls.current = cls()
+        return cls.current
+
+    @classmethod
+    def start(cls, keep_caches: bool) -> RenderJob:
+        """A new job, with the caches of the one before where they are to be kept."""
+        before, cls.current = cls.current, cls()
+        if keep_caches and before is not None:
+            cls.current.export_cache = before.export_cache
+            cls.current._render_cache = before._render_cache
+        return cls.current
+
+    def render_cache(self):
+        """The core's cache. Imports the core's kernels, so only a render may ask for it."""
+        if self._render_cache is None:
+            from ..core.render import RenderCache
+
+            self._render_cache = RenderCache()
+        return self._render_cache
+
+    def warn(self, lines: list[str]) -> None:
+        """Print each warning once a job: the next view layer and frame would only repeat it."""
+        for line in lines:
+            if line not in self._warned:
+                self._warned.add(line)
+                log.warning("IWIS: %s", line)
+
+    def forget_caches(self) -> None:
+        """Let the caches go; a render that still holds one keeps its own until it ends."""
+        self.export_cache = ExportCache()
+        self._render_cache = None
+
+    def mark_rendered(self) -> None:
+        """The engine is done; what follows until mark_written() is output: compositing, saving."""
+        self._rendered_at = time.perf_counter(), time.process_time()
+
+    def mark_written(self) -> None:
+        """Count the time since mark_rendered() as output of the last record."""
+        if self.records:
+            stats = self.records[-1].stats
+            stats.seconds["output"] += time.perf_counter() - self._rendered_at[0]
+            stats.cpu_seconds["output"] += time.process_time() - self._rendered_at[1]
+
+
+@dataclass(slots=True)
+class FrameStats:
+    """The records of one frame, added up."""
+
+    frame: int
+    stats: RenderStats = field(default_factory=RenderStats)
+
+    def add(self, part: RenderStats) -> None:
+        """Add one view's figures: counts and seconds add up, size and maximum are the largest."""
+        total = self.stats
+        total.width, total.height = part.width, part.height
+        total.samples_max = max(total.samples_max, part.samples_max)
+        total.triangles = max(total.triangles, part.triangles)
+        total.cancelled |= part.cancelled
+        total.warnings += [line for line in part.warnings if line not in total.warnings]
+        for name in ("shaded_pixels", "samples_total", "primary_rays", "shadow_rays"):
+            setattr(total, name, getattr(total, name) + getattr(part, name))
+        for phase in total.seconds:
+            total.seconds[phase] += part.seconds[phase]
+            total.cpu_seconds[phase] += part.cpu_seconds[phase]
+
+
+def stats_by_frame(records: list[RenderRecord]) -> list[FrameStats]:
+    """One FrameStats a frame, in the order of rendering."""
+    frames: dict[int, FrameStats] = {}
+    for record in records:
+        frames.setdefault(record.frame, FrameStats(record.frame)).add(record.stats)
+    return list(frames.values())
+
+
+@persistent
+def _on_render_init(scene, _depsgraph=None):
+    if scene.render.engine == ENGINE:
+        RenderJob.start(keep_caches=scene.render.use_persistent_data)
+    elif RenderJob.current is not None:
+        RenderJob.current.forget_caches()
+
+
+@persistent
+def _on_render_post(_scene, _depsgraph=None):
+    # Blender calls this after it has saved the frame.
+    if RenderJob.current is not None:
+        RenderJob.current.mark_written()
+
+
+@persistent
+def _on_render_end(scene, _depsgraph=None):
+    if RenderJob.current is not None and not scene.render.use_persistent_data:
+        RenderJob.current.forget_caches()
+
+
+@persistent
+def _on_load(_path=None, _depsgraph=None):
+    RenderJob.current = None
+
+
+_HANDLERS = (
+    ("render_init", _on_render_init),
+    ("render_post", _on_render_post),
+    ("render_complete", _on_render_end),
+    ("render_cancel", _on_render_end),
+    ("load_pre", _on_load),
+)
+
+
+def register() -> None:
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister() -> None:
+    for name, handler in reversed(_HANDLERS):
+        getattr(bpy.app.handlers, name).remove(handler)
+    RenderJob.current = None

@@ -1,0 +1,109 @@
+"""The render passes: one table, read by the compositor's sockets, the render result and the panels.
+
+The names are Cycles' own, so that a compositor tree does not care which of the two rendered.
+Blender 5.0 gave most of them new ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+
+from ..core.film import LAYERS
+
+NAMES_OF_5 = bpy.app.version >= (5, 0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Pass:
+    """One row of TABLE.
+
+    layer: name in core.film.LAYERS
+    name: what Blender, its compositor and its EXR files call it
+    channel_ids: one letter a channel; kind: COLOR, VECTOR or VALUE, the socket's type
+    flag: property of the view layer that asks for it, or of `view_layer.iwis`; "" = always there
+    group: DATA, LIGHT or IWIS, the panel that shows the flag
+    """
+
+    layer: str
+    name: str
+    channel_ids: str
+    kind: str
+    flag: str
+    group: str
+
+    @property
+    def owned(self) -> bool:
+        """Whether the flag is the add-on's own property, not Blender's."""
+        return self.flag in OWN_FLAGS
+
+    def wanted(self, view_layer) -> bool:
+        """Whether the view layer asks for this pass."""
+        if not self.flag:
+            return True
+        return getattr(view_layer.iwis if self.owned else view_layer, self.flag)
+
+
+def _row(layer, name, channel_ids, kind, flag, group, name_in_4=None):
+    if len(channel_ids) != LAYERS[layer]:
+        raise ValueError(f"pass {name}: {channel_ids} are not {LAYERS[layer]} channels")
+    return Pass(layer, name if NAMES_OF_5 else name_in_4 or name, channel_ids, kind, flag, group)
+
+
+OWN_FLAGS = (
+    "use_pass_samples",
+    "use_pass_error",
+    "use_pass_unoccluded",
+    "use_pass_visibility",
+    "use_pass_sample_count",
+)
+
+# fmt: off
+TABLE = (
+    _row("combined", "Combined", "RGBA", "COLOR", "", "DATA"),
+    _row("depth", "Depth", "Z", "VALUE", "use_pass_z", "DATA"),
+    _row("position", "Position", "XYZ", "VECTOR", "use_pass_position", "DATA"),
+    _row("normal", "Normal", "XYZ", "VECTOR", "use_pass_normal", "DATA"),
+    _row("object_index", "Object Index", "X", "VALUE", "use_pass_object_index", "DATA", "IndexOB"),
+    _row("material_index", "Material Index", "X", "VALUE", "use_pass_material_index", "DATA",
+         "IndexMA"),
+    _row("diffuse_direct", "Diffuse Direct", "RGB", "COLOR", "use_pass_diffuse_direct", "LIGHT",
+         "DiffDir"),
+    _row("diffuse_color", "Diffuse Color", "RGB", "COLOR", "use_pass_diffuse_color", "LIGHT",
+         "DiffCol"),
+    _row("glossy_direct", "Glossy Direct", "RGB", "COLOR", "use_pass_glossy_direct", "LIGHT",
+         "GlossDir"),
+    _row("glossy_color", "Glossy Color", "RGB", "COLOR", "use_pass_glossy_color", "LIGHT",
+         "GlossCol"),
+    _row("emission", "Emission", "RGB", "COLOR", "use_pass_emit", "LIGHT", "Emit"),
+    _row("environment", "Environment", "RGB", "COLOR", "use_pass_environment", "LIGHT", "Env"),
+    _row("samples", "IWIS Samples", "X", "VALUE", "use_pass_samples", "IWIS"),
+    _row("error", "IWIS Error", "X", "VALUE", "use_pass_error", "IWIS"),
+    _row("unoccluded", "IWIS Unoccluded", "RGB", "COLOR", "use_pass_unoccluded", "IWIS"),
+    _row("visibility", "IWIS Visibility", "X", "VALUE", "use_pass_visibility", "IWIS"),
+    _row("sample_count", "Debug Sample Count", "X", "VALUE", "use_pass_sample_count", "IWIS"),
+)
+# fmt: on
+
+
+def wanted_passes(view_layer) -> list[Pass]:
+    """The rows of TABLE that the view layer asks for."""
+    return [row for row in TABLE if row.wanted(view_layer)]
+
+
+def register_passes(engine, scene, view_layer) -> None:
+    """Tell Blender which sockets the view layer's Render Layers node has."""
+    for row in wanted_passes(view_layer):
+        engine.register_pass(
+            scene, view_layer, row.name, len(row.channel_ids), row.channel_ids, row.kind
+        )
+
+
+def add_passes(engine, view_layer) -> list[Pass]:
+    """Add the wanted passes to the render result; Combined is there already. Return all of them."""
+    rows = wanted_passes(view_layer)
+    for row in rows:
+        if row.layer != "combined":
+            engine.add_pass(row.name, len(row.channel_ids), row.channel_ids, layer=view_layer.name)
+    return rows

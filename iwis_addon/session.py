@@ -1,0 +1,114 @@
+"""One final render of one view layer: export, core.render, delivery of every view."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+
+from ..core.film import Film
+from ..core.scene import Scene
+from ..core.stats import RenderStats
+from . import dependencies, stereo
+from .export import ExportCancelled, export_scene
+from .job import RenderJob, RenderRecord
+from .passes import add_passes
+from .preferences import share_cache_dir
+from .settings import render_settings
+from .sink import BlenderSink
+from .worker import run_in_worker
+
+
+class FinalRender:
+    """From the engine's update() to its render()'s end. Keeps nothing of bpy but the engine."""
+
+    def __init__(self, engine, depsgraph, job: RenderJob):
+        self.engine, self.job = engine, job
+        self.layer = depsgraph.view_layer.name
+        self.frame = depsgraph.scene.frame_current
+        self.scene: Scene | None = None
+        self.delivered: set[str] = set()
+        self._export_stats = RenderStats()
+
+    def export(self, depsgraph) -> None:
+        """Copy all that the picture needs out of Blender; self.scene stays None after a cancel."""
+        scene = depsgraph.scene_eval
+        self.settings = render_settings(scene)
+        self._keep_film = scene.iwis.keep_film
+        with self._export_stats.phase("export"), contextlib.suppress(ExportCancelled):
+            self.engine.update_stats("", "Exporting")
+            self.scene = export_scene(
+                depsgraph,
+                warnings=self._export_stats.warnings,
+                cache=self.job.export_cache,
+                cancelled=self.engine.test_break,
+            )
+        self.job.warn(self._export_stats.warnings)
+
+    def run(self, depsgraph) -> None:
+        """Render and deliver every view; deliver what is done after a cancel."""
+        rows = add_passes(self.engine, depsgraph.view_layer_eval)
+        for view in result_views(self.engine):
+            if self.scene is None or self.engine.test_break():
+                self._record(view, RenderStats(cancelled=True), output_seconds=0.0)
+                return
+            camera = stereo.camera_of_view(self.engine, depsgraph.scene_eval, self.scene, view)
+            self._render_view(view, dataclasses.replace(self.scene, camera=camera), rows)
+
+    def _render_view(self, view, scene, rows):
+        film = Film(scene.camera.region) if self._keep_film else None
+        sink = BlenderSink(
+            self.engine, self.layer, view, rows, scene.camera.region, self.settings, film
+        )
+        share_cache_dir()
+        try:
+            stats = run_in_worker(lambda relay: self._render(scene, relay), sink)
+        finally:
+            if sink.tiles_written:
+                self.delivered.add(view)
+        if stats is None:
+            # The core still holds the caches: the next render must not meet it there.
+            self.job.forget_caches()
+            stats = RenderStats(cancelled=True)
+        self._record(view, stats, sink.output_seconds)
+        if film is not None:
+            self.job.films[self.layer, view] = film
+
+    def _render(self, scene, relay):
+        dependencies.require()
+        from ..core.render import render
+
+        if relay.cancelled():  # Blender's thread may be gone; leave its next render's cache alone
+            return RenderStats(cancelled=True)
+        return render(scene, self.settings, relay, self.job.render_cache())
+
+    def _record(self, view, stats, output_seconds):
+        if not any(r.frame == self.frame and r.layer == self.layer for r in self.job.records):
+            stats.seconds["export"] += self._export_stats.seconds["export"]
+            stats.cpu_seconds["export"] += self._export_stats.cpu_seconds["export"]
+        stats.seconds["output"] += output_seconds
+        self.job.warn(stats.warnings)
+        stats.warnings[:0] = self._export_stats.warnings
+        self.job.records.append(RenderRecord(self.frame, self.layer, view, stats))
+
+    def complete(self) -> None:
+        """Deliver an empty picture for every view that has none.
+
+        Without a result Blender dies when it writes the file.
+        """
+        for view in result_views(self.engine):
+            if view not in self.delivered:
+                width, height = result_size(self.engine)
+                result = self.engine.begin_result(0, 0, width, height, layer=self.layer, view=view)
+                self.engine.end_result(result)
+        self.job.mark_rendered()
+
+
+def result_views(engine) -> list[str]:
+    """Names of the views that Blender wants: left and right, or one without a name."""
+    return [view.name for view in engine.get_result().views] or [""]
+
+
+def result_size(engine) -> tuple[int, int]:
+    """Width and height of the render result: the whole frame, or its border."""
+    result = engine.get_result()
+    return result.resolution_x, result.resolution_y

@@ -1,0 +1,34 @@
+"""Blender's properties -> RenderSettings: the only file that knows both vocabularies."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from ..core.settings import LIMITS, RenderSettings
+from .preferences import cache_dir
+from .properties import NOT_ON_SCENE
+
+
+def render_settings(scene) -> RenderSettings:
+    """What the scene asks for, as the core takes it."""
+    values = {
+        field.name: getattr(scene.iwis, field.name)
+        for field in dataclasses.fields(RenderSettings)
+        if field.name not in NOT_ON_SCENE
+    }
+    values["threads"] = values["threads"] or _blender_threads(scene)
+    return RenderSettings(**values, cache_dir=cache_dir())
+
+
+def _blender_threads(scene) -> int:
+    """Blender's own number when a user fixed it, in the scene or by `-t`; else 0, all cores."""
+    if scene.render.threads_mode != "FIXED":
+        return 0
+    return min(scene.render.threads, LIMITS["threads"][1])
+
+
+def apply_settings(scene, settings: RenderSettings, names) -> None:
+    """Write the named settings to the scene, as if a user had set them in the panel."""
+    for name in names:
+        if name not in NOT_ON_SCENE:
+            setattr(scene.iwis, name, getattr(settings, name))

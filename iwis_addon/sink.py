@@ -1,0 +1,105 @@
+"""Tiles -> Blender's render result, progress -> its status line, its cancel -> the core."""
+
+from __future__ import annotations
+
+import time
+
+import bpy
+
+from ..core.film import Film, Progress, Tile
+from ..core.settings import RenderSettings
+from ..core.stats import peak_memory_bytes
+from .passes import Pass
+
+# Blender prints a line for every update in background mode; a farm's log needs no more.
+SECONDS_BETWEEN_UPDATES = 1.0 if bpy.app.background else 0.1
+_PHASE_TEXTS = {
+    "tables": "Building wavelet tables",
+    "bvh": "Building BVH",
+    "sampling": "Sampling",
+}
+
+
+class BlenderSink:
+    """The TileSink of one view of one view layer; to be called by Blender's thread only.
+
+    region: (x0, y0, x1, y1) of the frame that the render result covers
+    film: kept beside the result where a user wants it, else None
+    """
+
+    def __init__(
+        self,
+        engine,
+        layer: str,
+        view: str,
+        rows: list[Pass],
+        region: tuple[int, int, int, int],
+        settings: RenderSettings,
+        film: Film | None = None,
+    ):
+        self._engine, self._layer, self._view, self._rows = engine, layer, view, rows
+        self._region, self._film, self._settings = region, film, settings
+        self._started = time.perf_counter()
+        self._last_update = 0.0
+        self.tiles_written = 0
+        self.output_seconds = 0.0
+
+    def write_tile(self, tile: Tile) -> None:
+        started = time.perf_counter()
+        result = self._engine.begin_result(
+            tile.x - self._region[0],
+            tile.y - self._region[1],
+            tile.width,
+            tile.height,
+            layer=self._layer,
+            view=self._view,
+        )
+        passes = result.layers[0].passes
+        for row in self._rows:
+            # foreach_set of float32: assigning to rect is some hundred times slower.
+            target = passes.find_by_name(row.name, self._view)
+            target.rect.foreach_set(tile.layers[row.layer].ravel())
+        self._engine.end_result(result)
+        if self._film is not None:
+            self._film.write_tile(tile)
+        self.tiles_written += 1
+        self.output_seconds += time.perf_counter() - started
+
+    def progress(self, progress: Progress) -> None:
+        now = time.perf_counter()
+        last = progress.tiles_total > 0 and progress.tiles_done == progress.tiles_total
+        if now - self._last_update < SECONDS_BETWEEN_UPDATES and not last:
+            return
+        self._last_update = now
+        peak = peak_memory_bytes() / (1 << 20)
+        self._engine.update_memory_stats(memory_used=peak, memory_peak=peak)
+        self._engine.update_stats("", self.line(progress, now - self._started, peak))
+        if progress.phase == "sampling":
+            self._engine.update_progress(progress.fraction)
+
+    def cancelled(self) -> bool:
+        return self._engine.test_break()
+
+    def line(self, progress: Progress, seconds: float, peak_mb: float) -> str:
+        """The status line; farms look for `Rendered 3/12 Tiles, Sample 12/128` in it."""
+        parts = [f"Mem:{peak_mb:.2f}M", f"Time:{clock(seconds)}"]
+        if progress.phase != "sampling":
+            text = progress.text or _PHASE_TEXTS.get(progress.phase, progress.phase)
+            return " | ".join([*parts, self._layer, f"{text} {progress.fraction:.0%}"])
+        if 0.0 < progress.fraction < 1.0:
+            parts.append(f"Remaining:{clock(seconds * (1.0 / progress.fraction - 1.0))}")
+        x0, y0, x1, y1 = self._region
+        pixels = max(progress.fraction * (x1 - x0) * (y1 - y0), 1.0)
+        parts += [
+            self._layer,
+            f"Rendered {progress.tiles_done}/{progress.tiles_total} Tiles, "
+            f"Sample {round(progress.samples / pixels)}/{self._settings.max_samples}",
+        ]
+        return " | ".join(parts)
+
+
+def clock(seconds: float) -> str:
+    """Seconds as Blender writes them: MM:SS.ss, with the hours in front where there are any."""
+    minutes, rest = divmod(seconds, 60.0)
+    hours, minutes = divmod(int(minutes), 60)
+    return (f"{hours:02d}:" if hours else "") + f"{minutes:02d}:{rest:05.2f}"
