@@ -113,6 +113,8 @@ def _render(parser, options) -> None:
     except ImportError as error:
         raise CommandError(f"{error}; install it with: pip install bpy") from None
     frames = cli_render.render_file(options, settings, _FORMATS[options.output.suffix.lower()])
+    for frame in frames:
+        print(cli_render.describe(frame, options))
     if options.stats is not None:
         _write_stats(options, frames)
     if any(frame.stats.cancelled for frame in frames):

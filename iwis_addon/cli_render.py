@@ -74,19 +74,20 @@ def _render(scene, options) -> list[FrameStats]:
     frames = stats_by_frame(RenderJob.get().records)
     if not frames:
         raise CommandError(f"{options.file}: nothing was rendered; is a view layer on?")
-    for frame in frames:
-        print(describe(frame, _numbered(path, frame.frame)))
     return frames
 
 
-def describe(frame: FrameStats, path: Path) -> str:
-    """One line that says what was rendered and what it cost."""
+def describe(frame: FrameStats, options) -> str:
+    """One line that says what was rendered, what it cost and where it is."""
     stats = frame.stats
+    path = _with_digits(options.output) if options.start is not None else options.output
+    path = _numbered(path, frame.frame)
     phases = ", ".join(f"{phase} {seconds:.2f} s" for phase, seconds in stats.seconds.items())
     return (
         f"frame {frame.frame}: {stats.width}x{stats.height}, "
         f"{stats.samples_mean:.1f} samples a pixel (at most {stats.samples_max}), "
-        f"{stats.primary_rays} camera rays, {stats.shadow_rays} shadow rays; {phases}; {path}"
+        f"{stats.primary_rays} camera rays, {stats.shadow_rays} shadow rays; "
+        f"{phases}; {path}"
     )
 
 

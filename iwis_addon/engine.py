@@ -56,8 +56,8 @@ class IWISRenderEngine(bpy.types.RenderEngine):
     def tell_failure(self) -> None:
         """Report a failure to Blender, which then stops the job with exit code 1.
 
-        Only `report` does so, and only after a result; `error_set` shows the text above the picture,
-        and would print it once more in background mode.
+        Only `report` does so, and only after a result. `error_set` shows the text above the picture
+        in the window; in background mode it would only print it once more.
         """
         failure, self.failure = self.failure, None
         if failure is None:
