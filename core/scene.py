@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 EQUIRECTANGULAR, MIRROR_BALL = "EQUIRECTANGULAR", "MIRROR_BALL"
-LINEAR, CLOSEST = "LINEAR", "CLOSEST"
+LINEAR, CLOSEST, LINEAR_SRGB = "LINEAR", "CLOSEST", "LINEAR_SRGB"
 PERSPECTIVE, ORTHOGRAPHIC = "PERSPECTIVE", "ORTHOGRAPHIC"
 
 # MaterialParams.model
@@ -72,7 +72,9 @@ class EnvironmentMap:
     radiance: float32 (h, w, 3), finite and >= 0; row 0 is the bottom row (looks along -z)
     world_to_map: float32 (3, 4); a world direction d is looked up at world_to_map @ (d, 1),
         normalised: Cycles' Mapping node
-    projection: EQUIRECTANGULAR or MIRROR_BALL; interpolation: LINEAR or CLOSEST
+    projection: EQUIRECTANGULAR or MIRROR_BALL
+    interpolation: LINEAR, CLOSEST, or LINEAR_SRGB: between sRGB-encoded texels, then decoded, which
+        is what Cycles does with byte images
     strength: float, or per channel float32 (3,), multiplies radiance
     visible_to_camera: whether a camera ray that hits nothing shows it
     name: of the image, for messages
