@@ -1,0 +1,177 @@
+"""What stands where: the objects of a dependency graph and all their instances.
+
+As in Cycles, an instance is what ``depsgraph.object_instances`` lists with ``show_self``; the graph
+of a final render leaves out what is hidden from renders, and lists each copy made by collections,
+particles and geometry nodes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .errors import ExportCancelled
+from .local_mesh import LocalMesh, read_mesh
+
+CONVERTED_TYPES = frozenset({"CURVE", "SURFACE", "FONT", "META"})
+UNSUPPORTED_TYPES = {
+    "CURVES": "hair curves",
+    "POINTCLOUD": "point clouds",
+    "VOLUME": "volumes",
+    "GPENCIL": "Grease Pencil",
+    "GREASEPENCIL": "Grease Pencil",
+}
+
+
+class Instance(NamedTuple):
+    """One mesh at one place.
+
+    part: row of Inventory.parts; object_to_world: float64 (4, 4)
+    slots: rows of Inventory.materials, one a material slot, at least one
+    """
+
+    name: str
+    part: int
+    object_to_world: np.ndarray
+    slots: tuple[int, ...]
+    pass_index: int
+
+
+class Inventory(NamedTuple):
+    """All instances, the meshes that they share and the materials that they name.
+
+    materials: evaluated bpy materials, None where a slot is empty or an object has no slot
+    """
+
+    parts: list[LocalMesh]
+    instances: list[Instance]
+    materials: list
+
+
+class _Ignored:
+    """Names of what is not rendered, gathered so that each reason is one message."""
+
+    def __init__(self):
+        self._names: dict[str, dict[str, None]] = {}
+
+    def add(self, reason: str, name: str):
+        self._names.setdefault(reason, {})[name] = None
+
+    def messages(self, shown=5):
+        for reason, names in self._names.items():
+            first = ", ".join(list(names)[:shown])
+            more = f" and {len(names) - shown} more" if len(names) > shown else ""
+            yield f"{reason}: {first}{more}"
+
+
+class _Collector:
+    """Turns depsgraph items into an Inventory while they are alive."""
+
+    def __init__(self, depsgraph, known, cancelled):
+        self._depsgraph = depsgraph
+        self._known = known
+        self._cancelled = cancelled
+        self._override = depsgraph.view_layer_eval.material_override
+        self._material_rows: dict[int, int] = {}
+        self._parts: dict[tuple[int, int], tuple[int | None, list[int]]] = {}
+        self.inventory = Inventory([], [], [])
+        self.ignored = _Ignored()
+
+    def _material_row(self, material) -> int:
+        key = 0 if material is None else material.original.as_pointer()
+        if key not in self._material_rows:
+            self._material_rows[key] = len(self.inventory.materials)
+            if material is not None:
+                material = material.evaluated_get(self._depsgraph)
+            self.inventory.materials.append(material)
+        return self._material_rows[key]
+
+    def _slots(self, obj, data_rows) -> tuple[int, ...]:
+        """Rows of the materials of an object's slots, as Cycles counts them."""
+        if self._override is not None:
+            return (self._material_row(self._override),)
+        if not data_rows:
+            return (self._material_row(None),)
+        slots = obj.material_slots
+        rows = data_rows + data_rows[-1:] * (len(slots) - len(data_rows))
+        for i, slot in enumerate(slots):
+            if slot.link == "OBJECT":
+                rows[i] = self._material_row(slot.material)
+        return tuple(rows)
+
+    def _part(self, obj):
+        """Row of the object's mesh (None if it has no face) and the materials of its data."""
+        data = obj.data
+        converted = obj.type in CONVERTED_TYPES or data.is_editmode
+        # A converted mesh depends on the object's modifiers, so the object is part of its key.
+        key = (obj.original.as_pointer() if converted else 0, data.as_pointer())
+        if key not in self._parts:
+            if self._cancelled():
+                raise ExportCancelled
+            mesh = obj.to_mesh() if converted else data
+            row, rows = None, []
+            local = None if mesh is None else read_mesh(mesh, self._known)
+            if local is not None:
+                row, rows = len(self.inventory.parts), list(map(self._material_row, mesh.materials))
+                self.inventory.parts.append(local)
+            self._parts[key] = row, rows
+            if converted:
+                obj.to_mesh_clear()
+        return self._parts[key]
+
+    def _add_mesh(self, obj, object_to_world):
+        if not obj.visible_camera and not obj.visible_shadow:
+            return  # neither a camera ray nor a shadow ray, the only two kinds that there are
+        part, data_rows = self._part(obj)
+        if part is None:
+            return
+        if not obj.visible_camera or not obj.visible_shadow:
+            self.ignored.add("Ray visibility is ignored, camera and shadow rays see", obj.name)
+        if obj.is_holdout or obj.is_shadow_catcher:
+            self.ignored.add("Holdout and shadow catcher are ignored, rendered as is", obj.name)
+        matrix = np.array(object_to_world, np.float64)
+        if not np.isfinite(matrix).all():
+            self.ignored.add("Not rendered, the object's transform is not finite", obj.name)
+            return
+        slots = self._slots(obj, data_rows)
+        self.inventory.instances.append(Instance(obj.name, part, matrix, slots, obj.pass_index))
+
+    def add(self, item):
+        """Take one of depsgraph.object_instances."""
+        obj = item.object
+        if item.show_particles and any(
+            system.settings.type == "HAIR" and system.settings.render_type == "PATH"
+            for system in obj.particle_systems
+        ):
+            self.ignored.add("Not rendered, particle hair is not supported", obj.name)
+        if not item.show_self:
+            return
+        kind = obj.type
+        if kind == "MESH" or kind in CONVERTED_TYPES:
+            self._add_mesh(obj, item.matrix_world)
+        elif kind == "LIGHT":
+            self.ignored.add("Only the world lights the scene, lights are ignored", obj.name)
+        elif kind in UNSUPPORTED_TYPES:
+            reason = f"Not rendered, {UNSUPPORTED_TYPES[kind]} are not supported"
+            self.ignored.add(reason, obj.name)
+
+
+def collect_instances(
+    depsgraph,
+    warnings: list[str],
+    known: dict[bytes, LocalMesh] | None = None,
+    cancelled=lambda: False,
+) -> Inventory:
+    """All that a render of the graph shows, copied out of Blender.
+
+    warnings: gets one line for each reason to leave objects out, with their names
+    known: as for read_mesh. Raises ExportCancelled as soon as cancelled() says so.
+    """
+    collector = _Collector(depsgraph, known, cancelled)
+    for number, item in enumerate(depsgraph.object_instances):
+        if number % 256 == 0 and cancelled():
+            raise ExportCancelled
+        collector.add(item)
+    warnings.extend(collector.ignored.messages())
+    return collector.inventory
