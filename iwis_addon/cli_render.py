@@ -8,8 +8,9 @@ from pathlib import Path
 
 import bpy
 
+from .. import register, unregister
 from ..core.settings import RenderSettings
-from . import preferences, registration
+from . import preferences
 from .cli import CommandError
 from .job import ENGINE, FrameStats, RenderJob, stats_by_frame
 from .settings import apply_settings
@@ -19,7 +20,7 @@ def render_file(options, settings: RenderSettings, file_format: str) -> list[Fra
     """Render what the command line asks for; return what each frame cost. Raises CommandError."""
     if settings.cache_dir:
         os.environ[preferences.ENVIRONMENT] = settings.cache_dir
-    registration.register()
+    register()
     try:
         scene = _open(options.file)
         _prepare(scene, options, settings, file_format)
@@ -29,7 +30,7 @@ def render_file(options, settings: RenderSettings, file_format: str) -> list[Fra
         for scene in bpy.data.scenes:
             if scene.render.engine == ENGINE:
                 scene.render.engine = "BLENDER_WORKBENCH"
-        registration.unregister()
+        unregister()
 
 
 def _open(path: Path):

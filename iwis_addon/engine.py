@@ -17,6 +17,9 @@ log = logging.getLogger(__name__)
 # Failures that say by themselves what is wrong and what to do; others need a traceback.
 _SELF_EXPLAINING = (ExportError, MissingPackage, OSError, ValueError)
 
+# Ctrl-C is an exception in the bpy module; left alone, Blender would save and go on.
+_CAUGHT = (Exception, KeyboardInterrupt)
+
 
 class IWISRenderEngine(bpy.types.RenderEngine):
     """Direct light of an HDRI, with as many samples a pixel as the eye needs there."""
@@ -35,7 +38,7 @@ class IWISRenderEngine(bpy.types.RenderEngine):
         self.session = FinalRender(self, depsgraph, RenderJob.get())
         try:
             self.session.export(depsgraph)
-        except Exception as error:
+        except _CAUGHT as error:
             self.failure = error
 
     def render(self, depsgraph):
@@ -45,7 +48,7 @@ class IWISRenderEngine(bpy.types.RenderEngine):
             if self.failure is not None:
                 raise self.failure
             session.run(depsgraph)
-        except Exception as error:
+        except _CAUGHT as error:
             self.failure = error
         session.complete()
         self.tell_failure()
@@ -62,13 +65,22 @@ class IWISRenderEngine(bpy.types.RenderEngine):
         failure, self.failure = self.failure, None
         if failure is None:
             return
-        known = isinstance(failure, _SELF_EXPLAINING)
-        text = str(failure) if known else f"{type(failure).__name__}: {failure}"
-        if not known:
-            log.error("IWIS: rendering failed", exc_info=failure)
+        text = _message(failure)
         self.report({"ERROR"}, text)
         if not bpy.app.background:
             self.error_set(text)
+
+
+def _message(failure: BaseException) -> str:
+    """One line for the user; what nobody foresaw is logged with its traceback as well."""
+    if isinstance(failure, _SELF_EXPLAINING):
+        return str(failure)
+    if isinstance(failure, KeyboardInterrupt):
+        return "IWIS: interrupted"
+    if isinstance(failure, MemoryError):
+        return f"IWIS: not enough memory: {failure or 'render smaller or with fewer triangles'}"
+    log.error("IWIS: rendering failed", exc_info=failure)
+    return f"IWIS: {type(failure).__name__}: {failure}"
 
 
 CLASSES = (IWISRenderEngine,)

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import queue
 import threading
+import time
 
 from ..core.film import Progress, Tile, TileSink
 
-POLL_SECONDS = 0.05
+POLL_SECONDS = 0.02
 GRACE_SECONDS = 0.1  # for the core to hand over its last tiles after a cancel
 _DONE = object()
 
@@ -72,13 +73,16 @@ def run_in_worker(work, sink: TileSink):
 
 def _feed(relay: _Relay, sink: TileSink) -> bool:
     """Pass items on until the work is done (True), or the time after a cancel is over (False)."""
+    started = False
     while not sink.cancelled():
         item = _next(relay, POLL_SECONDS)
         if item is _DONE:
             return True
+        started |= item is not None
         _pass_on(item, sink)
     relay.stop.set()
-    while (item := _next(relay, GRACE_SECONDS)) is not _DONE:
+    deadline = time.monotonic() + GRACE_SECONDS if started else 0.0
+    while (item := _next(relay, max(deadline - time.monotonic(), 0.0))) is not _DONE:
         if item is None:
             return False
         _pass_on(item, sink)
