@@ -2,7 +2,7 @@
 #
 #   PYTHON=python3.11   the interpreter: 3.13 (bpy 5.2) or 3.11 (bpy 4.5); else the first one found
 #   VENV=FOLDER         the environment's folder; else .venv-py313 or .venv-py311
-#   ARGS="-k haar -x"   more arguments of pytest
+#   ARGS="-k haar -x"   more arguments of pytest, or of python -m iwis render
 #   PLATFORM=linux-x64 PY=cp314   one zip instead of all
 #   OUT=FOLDER          where make render writes; else out
 
@@ -24,7 +24,7 @@ help:
 
 # Render sample_blends/ through `python -m iwis render`: EXR and PNG in out/.
 render:
-	@python="$$($(venv_python))" && "$$python" scripts/render_samples.py "$(OUT)"
+	@python="$$($(venv_python))" && "$$python" scripts/render_samples.py "$(OUT)" $(ARGS)
 
 test:
 	@python="$$($(venv_python))" && "$$python" -m pytest $(ARGS)
