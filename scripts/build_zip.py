@@ -147,6 +147,8 @@ def stage(target: Target, wheels: list[Path], folder: Path) -> None:
 def blender_ext(*arguments) -> None:
     """Run Blender's own tool for extensions, as ``blender --command extension`` does."""
     spec = importlib.util.find_spec("bpy")
+    if spec is None:
+        raise SystemExit("the package bpy, which brings the tool, is missing: run make zip")
     tools = sorted(Path(spec.origin).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
     command = [sys.executable, tools[-1], *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
