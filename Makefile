@@ -4,6 +4,7 @@
 #   VENV=FOLDER         the environment's folder; else .venv-py313 or .venv-py311
 #   ARGS="-k haar -x"   more arguments of pytest, or of python -m iwis render
 #   PLATFORM=linux-x64 PY=cp314   one zip instead of all
+#   BLENDER=PROGRAM     what make test-blender runs, instead of Debian's Blender
 #   OUT=FOLDER          where make render writes; else out
 
 PYTHON ?=
@@ -11,6 +12,7 @@ VENV ?=
 ARGS ?=
 PLATFORM ?=
 PY ?=
+BLENDER ?=
 OUT ?= out
 
 # Prints the environment's Python on standard output; quick when all is up to date.
@@ -39,7 +41,8 @@ zip:
 
 # One render by a real Blender program (Debian's own; root, 1 GB) with the zip installed.
 test-blender:
-	@python="$$($(venv_python))" && tests/real_blender/render_test.sh "$$python"
+	@python="$$($(venv_python))" && "$$python" tests/real_blender/check_render.py \
+		$(if $(BLENDER),--blender "$(BLENDER)")
 
 venv:
 	@$(venv_python)
