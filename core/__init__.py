@@ -1,14 +1,16 @@
 """The renderer. It runs, and is tested, without Blender: NumPy, numba, Embree.
 
-In the order of the data (a module imports only from lines above its own group):
+In the order of the data; a module imports only from groups with a smaller number:
 
-    _jit, settings                           0  how kernels are compiled; the one home of defaults
-    scene, frame, sphere_map, haar, halton,  1  plain data, geometry, transforms
-    pyramid, exr, film, storage
-    camera, accel, brdf, environment,        2  rays, Embree, materials, light
-    haar_product
-    tables, warp, product                    3  the paper's tables; points -> directions; the product at a point
-    shading, estimator                       4  hits -> shading points; weights and e_d
-    incremental, reference                   5  the paper's loop; plain estimators to compare with
-    render                                   6  tiles, threads, cancel: render(scene, settings, sink)
+    _jit, settings                                   0  how kernels are compiled; all defaults
+    scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
+    microfacet, exr
+    camera, accel, albedo_tables, haar_forest,       2  rays, Embree, sparse Haar series
+    environment, shading, watch
+    lobes, pyramid, haar_product, table_cache        3  materials at a point; light; products
+    brdf, product, tables, incremental               4  the BSDF; product sampling; the paper's loop
+    unbiased, paper_tables                           5  mode UNBIASED; the tables of a scene
+    paper_products, render_cache, develop            6  the paper's products; what is kept; layers
+    paper                                            7  mode PAPER
+    reference, render                                8  estimators to compare with; the entry point
 """

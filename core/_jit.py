@@ -1,8 +1,9 @@
 """The one decorator of all kernels, and the folder that their machine code is kept in.
 
-numba's own disk cache does not see an edit in a callee of another file, cannot be read under another
-package name (``iwis.core`` against ``bl_ext.user_default.iwis.core``) and ignores NUMBA_BOUNDSCHECK.
-So the folder's name is a hash of all three: whatever changes, the kernels are compiled anew.
+numba's own disk cache does not see an edit in a callee of another file, cannot be read under
+another package name (``iwis.core`` against ``bl_ext.user_default.iwis.core``), and ignores
+NUMBA_BOUNDSCHECK. So the folder's name is a hash of all three: whatever changes, the kernels are
+compiled anew.
 """
 
 import hashlib

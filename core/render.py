@@ -1,19 +1,235 @@
-"""render(scene, settings, sink): the entry point of the core."""
+"""render(scene, settings, sink): tiles, threads, cancel. The entry point of the core.
+
+Workers compute tiles and never call the sink; the thread that called render() hands tiles on and
+asks whether to stop, so that Blender's data is touched by one thread only.
+"""
 
 from __future__ import annotations
 
-from .film import TileSink
+import dataclasses
+import os
+import queue
+import threading
+from dataclasses import dataclass
+
+import numpy as np
+
+from .accel import Accel
+from .camera import camera_rays, planar_depth
+from .develop import add_points, background_layers
+from .film import Progress, Tile, TileSink
+from .incremental import Sampler, sample_points
+from .lobes import Lobes, setup_lobes
+from .paper import PaperSampler
+from .paper_tables import PaperTables
+from .render_cache import RenderCache
 from .scene import Scene
 from .settings import RenderSettings
+from .shading import ShadingPoints, params_at, shading_points
 from .stats import RenderStats
+from .unbiased import Light, UnbiasedSampler, halton_points, point_shifts
+from .watch import POLL_SECONDS, Cancelled, watched
 
 
-class RenderCache:
-    """What may be kept from one render to the next: BVH, environment, tables."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Job:
+    """All that the workers share."""
+
+    scene: Scene
+    settings: RenderSettings
+    accel: Accel
+    light: Light
+    tables: PaperTables | None
+    halton: np.ndarray
+    stop: threading.Event
+
+
+@dataclass(frozen=True, slots=True)
+class _TileCounts:
+    shaded: int
+    samples: int
+    samples_max: int
+    shadow_rays: int
+    primary_rays: int
 
 
 def render(
     scene: Scene, settings: RenderSettings, sink: TileSink, cache: RenderCache | None = None
 ) -> RenderStats:
-    """Deliver every tile of the camera's region to the sink and return what it cost."""
-    raise RuntimeError("the sampler lands within the hour")
+    """Deliver every tile of the camera's region to the sink; return what it cost.
+
+    On cancel the tiles in work are delivered with the samples they have, and stats.cancelled is
+    set. Errors of workers are raised here.
+    """
+    x0, y0, x1, y1 = scene.camera.region
+    stats = RenderStats(width=x1 - x0, height=y1 - y0, triangles=len(scene.mesh.triangles))
+    cache = cache or RenderCache()
+    stop = threading.Event()
+    threads = worker_count(settings)
+    accel = light = tables = None
+    with stats.phase("bvh"):
+        accel = watched(lambda _: cache.accel(scene.mesh), sink, stop, "bvh")
+    if not stop.is_set():
+        with stats.phase("tables"):
+            light, tables = _prepare_light(scene, settings, sink, cache, stop, stats)
+    stats.cancelled = stop.is_set()
+    if stats.cancelled:
+        return stats
+    job = _Job(scene, settings, accel, light, tables, halton_points(settings.max_samples), stop)
+    with stats.phase("sampling"):
+        _render_tiles(job, threads, sink, stats)
+    return stats
+
+
+def worker_count(settings: RenderSettings) -> int:
+    """Threads to use: the setting, or as many as this process may run on."""
+    if settings.threads:
+        return settings.threads
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on Linux
+        return os.cpu_count() or 1
+
+
+def prepare_tables(
+    scene: Scene, settings: RenderSettings, sink: TileSink, cache: RenderCache | None = None
+) -> RenderStats:
+    """Build what a render in mode PAPER would, and leave it in the cache folder: for a farm job."""
+    stats, stop = RenderStats(triangles=len(scene.mesh.triangles)), threading.Event()
+    paper = dataclasses.replace(settings, estimator="PAPER")
+    with stats.phase("tables"):
+        _prepare_light(scene, paper, sink, cache or RenderCache(), stop, stats)
+    stats.cancelled = stop.is_set()
+    return stats
+
+
+def _prepare_light(scene, settings, sink, cache, stop, stats) -> tuple[Light, PaperTables | None]:
+    threads = worker_count(settings)
+
+    def work(tell):
+        light = cache.light(scene.environment, threads, stop.is_set)
+        if settings.estimator != "PAPER" or stop.is_set():
+            return light, None
+
+        def step(fraction, text):
+            tell(fraction, text)
+            if stop.is_set():
+                raise Cancelled
+
+        tables, warnings = cache.tables(scene, light, settings, threads, step)
+        stats.warnings.extend(warnings)
+        return light, tables
+
+    return watched(work, sink, stop, "tables") or (None, None)
+
+
+def tile_rects(region: tuple[int, int, int, int], tile_px: int) -> list[tuple[int, int, int, int]]:
+    """(x, y, width, height) of the tiles that cover a region, those at its centre first."""
+    x0, y0, x1, y1 = region
+    rects = [
+        (x, y, min(tile_px, x1 - x), min(tile_px, y1 - y))
+        for y in range(y0, y1, tile_px)
+        for x in range(x0, x1, tile_px)
+    ]
+    middle_x, middle_y = (x0 + x1) / 2, (y0 + y1) / 2
+    rects.sort(key=lambda r: (r[0] + r[2] / 2 - middle_x) ** 2 + (r[1] + r[3] / 2 - middle_y) ** 2)
+    return rects
+
+
+def _render_tiles(job: _Job, threads: int, sink: TileSink, stats: RenderStats) -> None:
+    rects = tile_rects(job.scene.camera.region, job.settings.tile_px)
+    waiting: queue.SimpleQueue = queue.SimpleQueue()
+    for rect in rects:
+        waiting.put(rect)
+    finished: queue.SimpleQueue = queue.SimpleQueue()
+    workers = [
+        threading.Thread(target=_work, args=(job, waiting, finished), name=f"iwis-{k}", daemon=True)
+        for k in range(min(threads, len(rects)))
+    ]
+    for worker in workers:
+        worker.start()
+    try:
+        _collect(job, workers, finished, len(rects), sink, stats)
+    finally:
+        job.stop.set()
+        for worker in workers:
+            worker.join()
+
+
+def _work(job: _Job, waiting, finished) -> None:
+    try:
+        while not job.stop.is_set():
+            finished.put(_render_tile(job, waiting.get_nowait()))
+    except queue.Empty:
+        pass
+    except BaseException as error:  # raised again in the caller's thread
+        finished.put(error)
+
+
+def _collect(job, workers, finished, n_tiles, sink, stats) -> None:
+    """Hand finished tiles to the sink until all are there, a worker fails or the sink cancels."""
+    done = 0
+    while done < n_tiles:
+        if not stats.cancelled and sink.cancelled():
+            stats.cancelled = True
+            job.stop.set()
+        alive = any(worker.is_alive() for worker in workers)
+        try:
+            result = finished.get(timeout=POLL_SECONDS)
+        except queue.Empty:
+            if not alive:
+                return
+            continue
+        if isinstance(result, BaseException):
+            raise result
+        tile, counts = result
+        done += 1
+        stats.shaded_pixels += counts.shaded
+        stats.samples_total += counts.samples
+        stats.samples_max = max(stats.samples_max, counts.samples_max)
+        stats.shadow_rays += counts.shadow_rays
+        stats.primary_rays += counts.primary_rays
+        with stats.phase("output"):
+            sink.write_tile(tile)
+            sink.progress(
+                Progress(
+                    phase="sampling",
+                    fraction=done / n_tiles,
+                    tiles_done=done,
+                    tiles_total=n_tiles,
+                    samples=stats.samples_total,
+                )
+            )
+
+
+def _render_tile(job: _Job, rect) -> tuple[Tile, _TileCounts]:
+    x, y, width, height = rect
+    scene, accel = job.scene, job.accel
+    origins, directions = camera_rays(scene.camera, x, y, width, height)
+    hit, u, v = accel.intersect(origins, directions)
+    points = shading_points(scene.mesh, hit, u, v, directions)
+    near_enough = planar_depth(scene.camera, points.position) <= scene.camera.clip_end
+    if not near_enough.all():
+        points = ShadingPoints(*(np.ascontiguousarray(column[near_enough]) for column in points))
+    missed = np.ones(width * height, np.bool_)
+    missed[points.pixel] = False
+    layers = background_layers(scene, job.light.lookup, directions, missed, (width, height))
+    n, traced, samples, most = len(points.pixel), 0, 0, 0
+    if n:
+        rows = scene.mesh.material_index[points.triangle]
+        lobes = setup_lobes(
+            params_at(scene.materials, rows), points.normal, points.geometric_normal, points.wo
+        )
+        sampler = _make_sampler(job, points, lobes, rows, (x, y, width))
+        sums, traced = sample_points(sampler, n, accel, job.settings, job.stop.is_set)
+        samples, most = int(sums.count.sum()), int(sums.count.max())
+        add_points(layers, scene, points, lobes, sums, job.settings.max_samples)
+    return Tile(x, y, width, height, layers), _TileCounts(n, samples, most, traced, len(hit))
+
+
+def _make_sampler(job: _Job, points: ShadingPoints, lobes: Lobes, rows, tile) -> Sampler:
+    settings, offset = job.settings, job.accel.offset
+    shifts = point_shifts(points, tile, settings.seed, settings.decorrelation)
+    if settings.estimator == "PAPER":
+        return PaperSampler(points, lobes, rows, job.tables, shifts, job.halton, offset)
+    return UnbiasedSampler(points, lobes, job.light, shifts, job.halton, offset)

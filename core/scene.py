@@ -45,8 +45,8 @@ class TriangleMesh:
     """All triangles of the scene, in world space, in one table.
 
     vertices: float32 (n, 3); triangles: int32 (m, 3), indices into vertices
-    corner_normals: float32 (m, 3, 3), unit shading normals at the three corners (a flat face has its
-        geometric normal three times), on the side that the winding points to
+    corner_normals: float32 (m, 3, 3), unit shading normals at the three corners (a flat face has
+        its geometric normal three times), on the side that the winding points to
     material_index: int32 (m,), row of Scene.materials; object_index: int32 (m,), row of the objects
     """
 
@@ -125,7 +125,9 @@ class Camera:
         if self.kind not in (PERSPECTIVE, ORTHOGRAPHIC):
             raise ValueError(f"camera kind {self.kind!r} is unknown")
         if not (0 <= x0 < x1 <= self.width and 0 <= y0 < y1 <= self.height):
-            raise ValueError(f"camera region {self.region} is not inside {self.width}x{self.height}")
+            raise ValueError(
+                f"camera region {self.region} is not inside {self.width}x{self.height}"
+            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -10,7 +10,7 @@ STOP_RULES = ("PAPER", "FIXED")
 PIXEL_FILTERS = ("CENTER",)
 DECORRELATIONS = ("PIXEL", "NONE")
 
-# Bounds that Blender's sliders and the command line share with the checks below: name -> (low, high).
+# Bounds, shared by Blender's sliders, the command line and the checks: name -> (low, high).
 LIMITS = {
     "error_threshold": (0.0, 10.0),
     "max_samples": (1, 1 << 20),

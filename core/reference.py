@@ -1,0 +1,137 @@
+"""Plain estimators to compare with: light, BSDF and MIS sampling, and WIS [Clarberg05].
+
+Not used by any picture; tests and benchmarks run them through the same loop and film.
+MIS is the one-sample balance heuristic, half the samples from each: its pdf is the mean of both.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ._jit import kernel
+from .brdf import pdf_brdf, sample_brdf
+from .halton import radical_inverse_2
+from .incremental import RayBatch
+from .lobes import Lobes
+from .paper import PaperSampler
+from .product import descend
+from .pyramid import level_offset, morton_to_row_column, row_column_to_morton
+from .shading import ShadingPoints
+from .sphere_map import sphere_to_square, square_to_sphere
+from .unbiased import Light, write_ray
+
+# Part of the samples that follow the BSDF.
+LIGHT_SAMPLING, BSDF_SAMPLING, MIS_SAMPLING = 0.0, 1.0, 0.5
+
+
+@kernel
+def sample_light(averages, levels, x, y):
+    """A direction in proportion to the light's luminance: (dx, dy, dz, pdf in sr^-1)."""
+    cell = 0
+    for step in range(levels):
+        below = level_offset(step + 1) + 4 * cell
+        quadrant, x, y = descend(
+            np.float64(averages[below]),
+            np.float64(averages[below + 1]),
+            np.float64(averages[below + 2]),
+            np.float64(averages[below + 3]),
+            x,
+            y,
+        )
+        cell = 4 * cell + quadrant
+    row, column = morton_to_row_column(cell, levels)
+    side = 1 << levels
+    dx, dy, dz = square_to_sphere((column + x) / side, (row + y) / side)
+    light = np.float64(averages[level_offset(levels) + cell])
+    return dx, dy, dz, light / (4.0 * math.pi * np.float64(averages[0]))
+
+
+@kernel
+def pdf_light(averages, levels, dx, dy, dz):
+    """The density, sr^-1, of sample_light."""
+    side = 1 << levels
+    x, y = sphere_to_square(dx, dy, dz)
+    column, row = min(int(x * side), side - 1), min(int(y * side), side - 1)
+    cell = row_column_to_morton(row, column, levels)
+    light = np.float64(averages[level_offset(levels) + cell])
+    return light / (4.0 * math.pi * np.float64(averages[0]))
+
+
+@kernel
+def _sample_round(
+    points, lobes, light, share, shifts, sequence, offset, active, first, count, rays
+):
+    averages, levels = light.pyramid.averages, light.pyramid.levels
+    n = 0
+    for a in range(len(active)):
+        p = active[a]
+        for k in range(first, first + count):
+            x, y = sequence[k, 0] + shifts.x[p], sequence[k, 1] + shifts.y[p]
+            x, y = x - np.floor(x), y - np.floor(y)
+            if x < share:
+                wx, wy, wz, _ = sample_brdf(lobes, p, np.float32(x / share), np.float32(y))
+                dx, dy, dz = np.float64(wx), np.float64(wy), np.float64(wz)
+                from_light = pdf_light(averages, levels, dx, dy, dz)
+            else:
+                x = (x - share) / (1.0 - share)
+                dx, dy, dz, from_light = sample_light(averages, levels, x, y)
+            from_bsdf = pdf_brdf(lobes, p, np.float32(dx), np.float32(dy), np.float32(dz))
+            pdf = share * np.float64(from_bsdf) + (1.0 - share) * from_light
+            n = write_ray(points, lobes, light.lookup, p, dx, dy, dz, pdf, offset, rays, n)
+    return n
+
+
+class MixtureSampler:
+    """Light, BSDF or MIS sampling of the points of one tile (incremental.Sampler).
+
+    share: the part of the samples that follow the BSDF: one of the three constants above
+    """
+
+    def __init__(
+        self,
+        points: ShadingPoints,
+        lobes: Lobes,
+        light: Light,
+        share: float,
+        shifts,
+        sequence: np.ndarray,
+        offset: float,
+    ):
+        self._points, self._lobes, self._light, self._share = points, lobes, light, float(share)
+        self._shifts, self._sequence, self._offset = shifts, sequence, np.float32(offset)
+
+    def lit(self) -> np.ndarray:
+        """See incremental.Sampler."""
+        dark = self._light.pyramid.averages[0] <= 0.0
+        return (self._lobes.kind != 0) & (not dark)
+
+    def unoccluded(self) -> None:
+        """See incremental.Sampler: only the samples know it."""
+
+    def sample(self, active: np.ndarray, first: int, count: int, rays: RayBatch) -> int:
+        """See incremental.Sampler."""
+        return _sample_round(
+            self._points,
+            self._lobes,
+            self._light,
+            self._share,
+            self._shifts,
+            self._sequence,
+            self._offset,
+            active,
+            first,
+            count,
+            rays,
+        )
+
+
+def hammersley_points(count: int) -> np.ndarray:
+    """float64 (count, 2): k / count and the radical inverse of k: good for this count only."""
+    return np.array([((k + 0.5) / count, radical_inverse_2(k)) for k in range(count)])
+
+
+def make_wis(points, lobes, rows, tables, shifts, count: int, offset: float) -> PaperSampler:
+    """Wavelet importance sampling: the paper's product with ``count`` Hammersley points."""
+    return PaperSampler(points, lobes, rows, tables, shifts, hammersley_points(count), offset)

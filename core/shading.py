@@ -1,0 +1,85 @@
+"""Hits -> shading points: position, normals, materials, all as arrays over the points of a tile."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ._jit import kernel
+from .scene import MaterialParams, TriangleMesh
+
+
+class ShadingPoints(NamedTuple):
+    """Points that light is gathered at. All in world space.
+
+    pixel: int32 (n,), index of the pixel in its tile, row by row
+    triangle: int32 (n,)
+    position: float32 (n, 3); wo: float32 (n, 3), unit, towards the camera
+    geometric_normal, normal: float32 (n, 3), unit; of the face and interpolated, both on the side
+        that the camera sees
+    """
+
+    pixel: np.ndarray
+    triangle: np.ndarray
+    position: np.ndarray
+    wo: np.ndarray
+    geometric_normal: np.ndarray
+    normal: np.ndarray
+
+
+@kernel
+def _interpolate(vertices, triangles, corner_normals, hit, u, v, directions, points):
+    for k in range(len(points.pixel)):
+        pixel = points.pixel[k]
+        triangle = hit[pixel]
+        bu, bv = u[pixel], v[pixel]
+        bw = np.float32(1.0) - bu - bv
+        i0, i1, i2 = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
+        edge1 = vertices[i1] - vertices[i0]
+        edge2 = vertices[i2] - vertices[i0]
+        gx = edge1[1] * edge2[2] - edge1[2] * edge2[1]
+        gy = edge1[2] * edge2[0] - edge1[0] * edge2[2]
+        gz = edge1[0] * edge2[1] - edge1[1] * edge2[0]
+        inverse = np.float32(1.0) / np.sqrt(gx * gx + gy * gy + gz * gz)
+        gx, gy, gz = gx * inverse, gy * inverse, gz * inverse
+        facing = gx * directions[pixel, 0] + gy * directions[pixel, 1] + gz * directions[pixel, 2]
+        side = np.float32(-1.0) if facing > 0.0 else np.float32(1.0)
+        length = np.float32(0.0)
+        for a in range(3):
+            points.position[k, a] = (
+                bw * vertices[i0, a] + bu * vertices[i1, a] + bv * vertices[i2, a]
+            )
+            points.wo[k, a] = -directions[pixel, a]
+            normal = (
+                bw * corner_normals[triangle, 0, a]
+                + bu * corner_normals[triangle, 1, a]
+                + bv * corner_normals[triangle, 2, a]
+            )
+            points.normal[k, a] = normal
+            length += normal * normal
+        points.geometric_normal[k, 0] = side * gx
+        points.geometric_normal[k, 1] = side * gy
+        points.geometric_normal[k, 2] = side * gz
+        scale = side / np.sqrt(length)
+        for a in range(3):
+            points.normal[k, a] = (
+                points.normal[k, a] * scale if length > 0.0 else points.geometric_normal[k, a]
+            )
+        points.triangle[k] = triangle
+
+
+def shading_points(mesh: TriangleMesh, hit, u, v, directions) -> ShadingPoints:
+    """The points of those rays that hit: hit int32 (n,), u, v float32 (n,), directions (n, 3)."""
+    pixel = np.flatnonzero(hit >= 0).astype(np.int32)
+    n = len(pixel)
+    points = ShadingPoints(
+        pixel, np.empty(n, np.int32), *(np.empty((n, 3), np.float32) for _ in range(4))
+    )
+    _interpolate(mesh.vertices, mesh.triangles, mesh.corner_normals, hit, u, v, directions, points)
+    return points
+
+
+def params_at(materials: MaterialParams, rows: np.ndarray) -> MaterialParams:
+    """One row of parameters for each shading point: materials taken at int32 rows (n,)."""
+    return MaterialParams(*(np.ascontiguousarray(column[rows]) for column in materials))

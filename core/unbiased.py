@@ -1,0 +1,212 @@
+"""Mode UNBIASED: every sample weighted by L B / pdf, so that a fixed count converges to the truth.
+
+Most points go down the product (product.py) and on into the light's own texels; a small part beta
+samples the BSDF instead, which covers whatever the product's cells gave density zero, and more of
+it where a lobe is narrower than a cell. One-sample mixture: the pdf is the sum of both.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ._jit import kernel
+from .accel import offset_origin
+from .brdf import eval_brdf_cos, pdf_brdf, sample_brdf
+from .environment import EnvironmentLookup, eval_environment
+from .halton import halton_table, hash_pixel
+from .incremental import RayBatch
+from .lobes import DIFFUSE_LOBE, Lobes
+from .product import (
+    NARROW_LEVEL,
+    WIDE_LEVEL,
+    ProductCells,
+    build_product,
+    choose_level,
+    pdf_product,
+    product_cells,
+    warp_product,
+)
+from .pyramid import LightPyramid, level_offset
+from .shading import ShadingPoints
+from .sphere_map import sphere_to_square
+
+# Part of the samples that follow the BSDF: always, and in all for a mirror-like lobe.
+_DEFENSIVE, _MIRROR = 0.05, 0.85
+# A lobe this narrow spans about one 64^2 cell.
+_CELL_ALPHA = 0.03
+
+
+class Light(NamedTuple):
+    """All that a sampler asks of the environment."""
+
+    lookup: EnvironmentLookup
+    pyramid: LightPyramid
+    wide: ProductCells
+    narrow: ProductCells
+
+
+class PointShifts(NamedTuple):
+    """The Cranley-Patterson shift of each shading point: x, y float64 (n,)."""
+
+    x: np.ndarray
+    y: np.ndarray
+
+
+def make_light(lookup: EnvironmentLookup, pyramid: LightPyramid) -> Light:
+    """Everything of the light, from its lookup and its quadtree."""
+    return Light(
+        lookup, pyramid, product_cells(pyramid, WIDE_LEVEL), product_cells(pyramid, NARROW_LEVEL)
+    )
+
+
+@kernel
+def _fill_shifts(pixel, width, x0, y0, seed, shifts):
+    for k in range(len(pixel)):
+        column, row = x0 + pixel[k] % width, y0 + pixel[k] // width
+        shifts.x[k] = hash_pixel(column, row, seed, 1)
+        shifts.y[k] = hash_pixel(column, row, seed, 2)
+
+
+def point_shifts(points: ShadingPoints, tile, seed: int, decorrelation: str) -> PointShifts:
+    """Each point's shift, from its place in the frame and the seed; zero for NONE.
+
+    tile: (x, y, width) of the pixels in the frame
+    """
+    n = len(points.pixel)
+    shifts = PointShifts(np.zeros(n), np.zeros(n))
+    if decorrelation == "PIXEL":
+        x, y, width = tile
+        _fill_shifts(points.pixel, width, x, y, seed, shifts)
+    return shifts
+
+
+@kernel
+def bsdf_share(lobes, p):
+    """beta: the part of the samples of point p that follow the BSDF."""
+    if lobes.kind[p] <= DIFFUSE_LOBE:
+        return _DEFENSIVE
+    ratio = np.float64(lobes.alpha[p]) / _CELL_ALPHA
+    return _DEFENSIVE + _MIRROR / (1.0 + ratio * ratio)
+
+
+@kernel
+def _build_products(lobes, light, trees, levels):
+    for p in range(len(levels)):
+        level = choose_level(lobes, p)
+        levels[p] = level
+        if level == NARROW_LEVEL:
+            build_product(lobes, p, level, light.narrow, trees[p])
+        else:
+            build_product(lobes, p, level, light.wide, trees[p])
+
+
+@kernel
+def _sample_direction(lobes, light, tree, level, p, share, x, y):
+    """One direction of point p and the mixture's density: (dx, dy, dz, pdf)."""
+    averages, levels = light.pyramid.averages, light.pyramid.levels
+    from_bsdf = x < share
+    if from_bsdf:
+        wx, wy, wz, _ = sample_brdf(lobes, p, np.float32(x / share), np.float32(y))
+        dx, dy, dz = np.float64(wx), np.float64(wy), np.float64(wz)
+        pdf = 0.0
+        if share < 1.0:
+            square_x, square_y = sphere_to_square(dx, dy, dz)
+            pdf = pdf_product(tree, level, averages, levels, square_x, square_y)
+    else:
+        morton = light.narrow.morton if level == NARROW_LEVEL else light.wide.morton
+        x = (x - share) / (1.0 - share)
+        dx, dy, dz, pdf = warp_product(tree, level, morton, averages, levels, x, y)
+    from_lobes = np.float64(pdf_brdf(lobes, p, np.float32(dx), np.float32(dy), np.float32(dz)))
+    return dx, dy, dz, share * from_lobes + (1.0 - share) * pdf
+
+
+@kernel
+def write_ray(points, lobes, lookup, p, dx, dy, dz, pdf, offset, rays, n):
+    """Write sample (dx, dy, dz) of point p as ray n if it can carry light; returns the next n."""
+    if not pdf > 0.0:
+        return n
+    wx, wy, wz = np.float32(dx), np.float32(dy), np.float32(dz)
+    dr, dg, db, gr, gg, gb = eval_brdf_cos(lobes, p, wx, wy, wz)
+    if dr + dg + db + gr + gg + gb <= np.float32(0.0):
+        return n
+    lr, lg, lb = eval_environment(lookup, wx, wy, wz)
+    if lr + lg + lb <= np.float32(0.0):
+        return n
+    inverse = np.float32(1.0 / pdf)
+    rays.diffuse[n, 0] = dr * lr * inverse
+    rays.diffuse[n, 1] = dg * lg * inverse
+    rays.diffuse[n, 2] = db * lb * inverse
+    rays.glossy[n, 0] = gr * lr * inverse
+    rays.glossy[n, 1] = gg * lg * inverse
+    rays.glossy[n, 2] = gb * lb * inverse
+    normal = points.geometric_normal[p]
+    facing = normal[0] * wx + normal[1] * wy + normal[2] * wz
+    sign = np.float32(1.0) if facing >= np.float32(0.0) else np.float32(-1.0)
+    offset_origin(points.position[p], normal, offset, sign, rays.origins, n)
+    rays.directions[n, 0], rays.directions[n, 1], rays.directions[n, 2] = wx, wy, wz
+    rays.point[n] = p
+    return n + 1
+
+
+@kernel
+def _sample_round(
+    points, lobes, light, trees, levels, shifts, halton, offset, active, first, count, rays
+):
+    """Fill rays with the next samples of the active points; returns how many carry light."""
+    n = 0
+    for a in range(len(active)):
+        p = active[a]
+        share = bsdf_share(lobes, p)
+        for k in range(first, first + count):
+            x, y = halton[k, 0] + shifts.x[p], halton[k, 1] + shifts.y[p]
+            x, y = x - np.floor(x), y - np.floor(y)
+            dx, dy, dz, pdf = _sample_direction(lobes, light, trees[p], levels[p], p, share, x, y)
+            n = write_ray(points, lobes, light.lookup, p, dx, dy, dz, pdf, offset, rays, n)
+    return n
+
+
+class UnbiasedSampler:
+    """Product sampling of the points of one tile (incremental.Sampler)."""
+
+    def __init__(self, points: ShadingPoints, lobes: Lobes, light: Light, shifts, halton, offset):
+        self._points, self._lobes, self._light = points, lobes, light
+        self._shifts, self._halton, self._offset = shifts, halton, np.float32(offset)
+        n = len(points.pixel)
+        self._levels = np.empty(n, np.int32)
+        glossy = bool((lobes.kind > DIFFUSE_LOBE).any())
+        size = level_offset((NARROW_LEVEL if glossy else WIDE_LEVEL) + 1)
+        self._trees = np.empty((n, size), np.float32)
+        _build_products(lobes, light, self._trees, self._levels)
+
+    def lit(self) -> np.ndarray:
+        """See incremental.Sampler."""
+        return self._trees[:, 0] > 0.0
+
+    def unoccluded(self) -> None:
+        """See incremental.Sampler: only the samples know it."""
+
+    def sample(self, active: np.ndarray, first: int, count: int, rays: RayBatch) -> int:
+        """See incremental.Sampler."""
+        return _sample_round(
+            self._points,
+            self._lobes,
+            self._light,
+            self._trees,
+            self._levels,
+            self._shifts,
+            self._halton,
+            self._offset,
+            active,
+            first,
+            count,
+            rays,
+        )
+
+
+def halton_points(count: int) -> np.ndarray:
+    """float64 (count, 2): the points that all pixels shift."""
+    table = np.empty((count, 2))
+    halton_table(count, table)
+    return table

@@ -1,0 +1,46 @@
+"""Long work in a thread of its own, while the caller's thread listens for a cancel."""
+
+from __future__ import annotations
+
+import queue
+import threading
+
+from .film import Progress
+
+# How long the caller's thread waits before it asks the sink again: a cancel is seen this soon.
+POLL_SECONDS = 0.05
+
+
+class Cancelled(Exception):
+    """Ends a long build that nobody waits for any more."""
+
+
+def watched(work, sink, stop, phase):
+    """work(tell) in a thread of its own, while the sink is asked whether to stop; None if it was.
+
+    tell(fraction, text) passes progress on. Embree cannot be interrupted: a build that was
+    cancelled ends by itself, unseen.
+    """
+    box: dict = {}
+    said = queue.SimpleQueue()
+
+    def run():
+        try:
+            box["result"] = work(lambda fraction, text: said.put((fraction, text)))
+        except BaseException as error:  # raised again in the caller's thread
+            box["error"] = error
+
+    thread = threading.Thread(target=run, name=f"iwis-{phase}", daemon=True)
+    thread.start()
+    sink.progress(Progress(phase=phase, fraction=0.0))
+    while thread.is_alive():
+        thread.join(POLL_SECONDS)
+        while not said.empty():
+            fraction, text = said.get()
+            sink.progress(Progress(phase=phase, fraction=fraction, text=text))
+        if sink.cancelled():
+            stop.set()
+            return None
+    if "error" in box:
+        raise box["error"]
+    return box["result"]
