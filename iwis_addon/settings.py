@@ -12,12 +12,17 @@ from .properties import NOT_ON_SCENE
 def render_settings(scene) -> RenderSettings:
     """What the scene asks for, as the core takes it."""
     values = {
-        field.name: getattr(scene.iwis, field.name)
+        field.name: _as_typed(getattr(scene.iwis, field.name))
         for field in dataclasses.fields(RenderSettings)
         if field.name not in NOT_ON_SCENE
     }
     values["threads"] = values["threads"] or _blender_threads(scene)
     return RenderSettings(**values, cache_dir=cache_dir())
+
+
+def _as_typed(value):
+    """Blender's floats are float32: 0.1 comes as 0.10000000149, but means 0.1."""
+    return float(f"{value:.7g}") if isinstance(value, float) else value
 
 
 def _blender_threads(scene) -> int:

@@ -28,7 +28,9 @@ def pytest_sessionfinish():
     bpy = sys.modules.get("bpy")
     if bpy is None:
         return
-    engines = [c for c in bpy.types.RenderEngine.__subclasses__() if c.bl_idname == "IWIS"]
+    engines = [
+        c for c in bpy.types.RenderEngine.__subclasses__() if getattr(c, "bl_idname", "") == "IWIS"
+    ]
     if not any(engine.is_registered for engine in engines):
         return
     for scene in bpy.data.scenes:

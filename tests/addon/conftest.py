@@ -18,14 +18,6 @@ def registered():
     iwis.register()
 
 
-@pytest.fixture(autouse=True)
-def cache_folder(tmp_path_factory, monkeypatch):
-    """Tables of tests go where no user's are."""
-    folder = tmp_path_factory.getbasetemp() / "iwis-cache"
-    monkeypatch.setenv("IWIS_CACHE_DIR", str(folder))
-    return folder
-
-
 @pytest.fixture
 def scene():
     """An empty file: its scene, set to IWIS, 32x24 pixels and one thread."""

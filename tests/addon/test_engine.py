@@ -1,0 +1,169 @@
+"""Renders from end to end, as Blender calls the engine."""
+
+import bpy
+import numpy as np
+import pytest
+
+from iwis.core.exr import read_exr_layers
+from iwis.iwis_addon.job import RenderJob, stats_by_frame
+from support.iwis_render import render_iwis, use_format
+
+COMBINED = "ViewLayer.Combined"
+
+
+def test_a_picture_comes_out(cube_scene, tmp_path):
+    """A grey cube under a white sky is neither black nor brighter than the sky; alpha is 1."""
+    picture = render_iwis(cube_scene, tmp_path)[COMBINED]
+    assert picture.shape == (24, 32, 4)
+    assert np.isfinite(picture).all()
+    assert (picture[..., 3] == 1.0).all()
+    assert 0.2 < picture[..., :3].mean() < 1.0
+    stats = RenderJob.current.records[-1].stats
+    assert (stats.width, stats.height) == (32, 24)
+    assert 0 < stats.samples_max <= cube_scene.iwis.max_samples
+    assert stats.seconds["export"] > 0.0 and stats.seconds["sampling"] > 0.0
+
+
+def test_an_empty_scene_shows_the_world(cube_scene, tmp_path):
+    """No object at all: the world alone, and no error."""
+    for thing in list(bpy.data.objects):
+        if thing.type == "MESH":
+            bpy.data.objects.remove(thing)
+    assert (render_iwis(cube_scene, tmp_path)[COMBINED] == 1.0).all()
+
+
+def test_same_settings_same_bits(cube_scene, tmp_path):
+    """Threads and tiles change nothing; the seed does."""
+    first = render_iwis(cube_scene, tmp_path)[COMBINED]
+    cube_scene.iwis.tile_px, cube_scene.iwis.threads = 8, 2
+    assert (render_iwis(cube_scene, tmp_path)[COMBINED] == first).all()
+    cube_scene.iwis.seed = 1
+    assert (render_iwis(cube_scene, tmp_path)[COMBINED] != first).any()
+
+
+@pytest.mark.parametrize("crop", [False, True])
+def test_border_is_the_same_part_of_the_frame(cube_scene, tmp_path, crop):
+    """A border's pixels are the whole frame's; outside it is empty, or cropped away."""
+    whole = render_iwis(cube_scene, tmp_path)
+    render = cube_scene.render
+    render.use_border, render.use_crop_to_border = True, crop
+    render.border_min_x, render.border_max_x = 0.26, 0.77
+    render.border_min_y, render.border_max_y = 0.3, 0.9
+    part = render_iwis(cube_scene, tmp_path)
+    x0, x1 = int(np.float32(0.26) * 32), int(np.float32(0.77) * 32)
+    y0, y1 = int(np.float32(0.3) * 24), int(np.float32(0.9) * 24)
+    for name, pixels in part.items():
+        expected = np.zeros_like(whole[name])
+        expected[y0:y1, x0:x1] = whole[name][y0:y1, x0:x1]
+        assert (pixels == (expected[y0:y1, x0:x1] if crop else expected)).all(), name
+
+
+def test_every_view_layer_is_rendered(cube_scene, tmp_path):
+    """Each layer has its own passes and its own collections."""
+    second = cube_scene.view_layers.new("Second")
+    second.iwis.use_pass_samples, second.use_pass_z = False, True
+    hidden = bpy.data.collections.new("Hidden")
+    cube_scene.collection.children.link(hidden)
+    cube = bpy.data.objects["Cube"]
+    for collection in list(cube.users_collection):
+        collection.objects.unlink(cube)
+    hidden.objects.link(cube)
+    second.layer_collection.children["Hidden"].exclude = True
+    layers = render_iwis(cube_scene, tmp_path)
+    assert set(layers) == {COMBINED, "ViewLayer.IWIS Samples", "Second.Combined", "Second.Depth"}
+    assert (layers[COMBINED] != layers["Second.Combined"]).any()
+    assert [r.layer for r in RenderJob.current.records] == ["ViewLayer", "Second"]
+
+
+def test_both_eyes_of_a_stereo_pair(cube_scene, tmp_path):
+    """Left and right differ, and each is what a camera placed there by hand sees."""
+    render = cube_scene.render
+    render.use_multiview, render.views_format = True, "STEREO_3D"
+    stereo = cube_scene.camera.data.stereo
+    stereo.convergence_mode, stereo.interocular_distance = "PARALLEL", 0.4
+    use_format(cube_scene, "OPEN_EXR")
+    render.image_settings.views_format = "INDIVIDUAL"
+    render.filepath = str(tmp_path / "eyes.exr")
+    bpy.ops.render.render(write_still=True)
+    left, right = (read_exr_layers(tmp_path / f"eyes_{eye}.exr")[""] for eye in "LR")
+    assert (left != right).any()
+    render.use_multiview = False
+    cube_scene.camera.location += cube_scene.camera.matrix_world.to_3x3().col[0] * 0.2
+    moved = render_iwis(cube_scene, tmp_path)[COMBINED]
+    # The same points up to float32 of the matrix: a few edge pixels may fall on the other side.
+    assert np.mean(np.abs(moved - right).max(axis=-1) > 1e-3) < 0.02
+
+
+@pytest.mark.parametrize("persistent", [False, True])
+def test_animation_shares_caches_and_lets_them_go(cube_scene, tmp_path, persistent):
+    """All frames of a job see the same caches; they stay after it only with Persistent Data."""
+    cube_scene.frame_end = 3
+    cube_scene.render.use_persistent_data = persistent
+    use_format(cube_scene, "PNG")
+    cube_scene.render.filepath = str(tmp_path / "frame_")
+    seen = []
+
+    def remember(_scene, _depsgraph=None):
+        seen.append((RenderJob.current.export_cache, RenderJob.current.render_cache()))
+
+    bpy.app.handlers.render_post.append(remember)
+    try:
+        bpy.ops.render.render(animation=True)
+    finally:
+        bpy.app.handlers.render_post.remove(remember)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        f"frame_000{frame}.png" for frame in (1, 2, 3)
+    ]
+    assert len(seen) == 3
+    assert all(caches[0] is seen[0][0] and caches[1] is seen[0][1] for caches in seen)
+    assert (RenderJob.current.export_cache is seen[0][0]) == persistent
+    assert [frame.frame for frame in stats_by_frame(RenderJob.current.records)] == [1, 2, 3]
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert RenderJob.current is None
+
+
+def test_animated_settings_and_passes(cube_scene, tmp_path):
+    """A keyframe on a setting of the engine is followed."""
+    cube_scene.iwis.stop_rule = "FIXED"
+    for frame, count in ((1, 2), (2, 6)):
+        cube_scene.iwis.max_samples = count
+        cube_scene.keyframe_insert("iwis.max_samples", frame=frame)
+    for frame, count in ((1, 2), (2, 6)):
+        cube_scene.frame_set(frame)
+        assert render_iwis(cube_scene, tmp_path)["ViewLayer.IWIS Samples"].max() == count
+
+
+def test_compositing_follows_the_render(cube_scene, tmp_path):
+    """The compositor gets the passes: its picture of IWIS Samples is the pass."""
+    if bpy.app.version >= (5, 0, 0):
+        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        cube_scene.compositing_node_group = tree
+        output = tree.nodes.new("NodeGroupOutput")
+    else:
+        cube_scene.use_nodes = True
+        tree = cube_scene.node_tree
+        tree.nodes.clear()
+        output = tree.nodes.new("CompositorNodeComposite")
+    layers = tree.nodes.new("CompositorNodeRLayers")
+    tree.links.new(layers.outputs["IWIS Samples"], output.inputs[0])
+    use_format(cube_scene, "OPEN_EXR")
+    cube_scene.render.filepath = str(tmp_path / "composite.exr")
+    bpy.ops.render.render(write_still=True)
+    picture = read_exr_layers(tmp_path / "composite.exr")[""]
+    assert set(np.unique(picture[..., 0])) <= set(range(cube_scene.iwis.max_samples + 1))
+    assert picture[..., 0].max() > 1.0
+
+
+def test_film_is_kept_and_saved_where_asked(cube_scene, tmp_path):
+    """Save Film writes all layers, as long as Keep Film was on; without it the button is off."""
+    render_iwis(cube_scene, tmp_path)
+    assert not bpy.ops.iwis.save_film.poll()
+    cube_scene.iwis.keep_film = True
+    picture = render_iwis(cube_scene, tmp_path)[COMBINED]
+    assert bpy.ops.iwis.save_film(filepath=str(tmp_path / "film.exr")) == {"FINISHED"}
+    film = read_exr_layers(tmp_path / "film.exr")
+    assert (film[COMBINED] == picture).all()
+    assert film["ViewLayer.Position"].shape == (24, 32, 3)
+    with pytest.raises(RuntimeError, match="was not saved"):
+        bpy.ops.iwis.save_film(filepath=str(tmp_path / "no" / "folder.exr"))

@@ -1,0 +1,114 @@
+"""The passes have Cycles' names, in the compositor and in files, on either side of Blender 5.0."""
+
+import bpy
+import pytest
+
+from iwis.core.film import LAYERS
+from iwis.iwis_addon.passes import OWN_FLAGS, TABLE
+from support.iwis_render import render_iwis
+
+IS_5 = bpy.app.version >= (5, 0, 0)
+# Name -> (name in 4.5, channels), as Blender's documentation and Cycles' files have them.
+EXPECTED = {
+    "Combined": ("Combined", 4),
+    "Depth": ("Depth", 1),
+    "Position": ("Position", 3),
+    "Normal": ("Normal", 3),
+    "Object Index": ("IndexOB", 1),
+    "Material Index": ("IndexMA", 1),
+    "Diffuse Direct": ("DiffDir", 3),
+    "Diffuse Color": ("DiffCol", 3),
+    "Glossy Direct": ("GlossDir", 3),
+    "Glossy Color": ("GlossCol", 3),
+    "Emission": ("Emit", 3),
+    "Environment": ("Env", 3),
+    "IWIS Samples": ("IWIS Samples", 1),
+    "IWIS Error": ("IWIS Error", 1),
+    "IWIS Unoccluded": ("IWIS Unoccluded", 3),
+    "IWIS Visibility": ("IWIS Visibility", 1),
+    "Debug Sample Count": ("Debug Sample Count", 1),
+}
+
+
+def expected_channels():
+    return {(new if IS_5 else old): count for new, (old, count) in EXPECTED.items()}
+
+
+def ask_for_all(view_layer):
+    for row in TABLE:
+        if row.flag:
+            setattr(view_layer.iwis if row.owned else view_layer, row.flag, True)
+
+
+def sockets(scene):
+    """Names of the enabled outputs of a new Render Layers node."""
+    if IS_5:
+        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+        scene.compositing_node_group = tree
+    else:
+        scene.use_nodes = True
+        tree = scene.node_tree
+        tree.nodes.clear()
+    node = tree.nodes.new("CompositorNodeRLayers")
+    node.scene = scene
+    scene.view_layers[0].update_render_passes()
+    return {output.name for output in node.outputs if output.enabled}
+
+
+def test_table_covers_the_film():
+    """Every layer of the film is a pass, once; every flag of the add-on is used."""
+    assert sorted(row.layer for row in TABLE) == sorted(LAYERS)
+    assert len({row.name for row in TABLE}) == len(TABLE)
+    assert {row.flag for row in TABLE if row.owned} == set(OWN_FLAGS)
+
+
+def test_names_and_channels():
+    """The table says what this Blender calls its passes."""
+    assert {row.name: len(row.channel_ids) for row in TABLE} == expected_channels()
+
+
+def test_compositor_shows_what_is_asked_for(scene):
+    """By default Combined, its Alpha, and the samples; with every flag on, all of the table."""
+    names = sockets(scene)
+    assert {"Image", "Alpha", "IWIS Samples"} <= names
+    assert "IWIS Error" not in names
+    ask_for_all(scene.view_layers[0])
+    scene.view_layers[0].update_render_passes()
+    assert set(expected_channels()) - {"Combined"} <= sockets(scene)
+
+
+def test_toggling_an_own_pass_updates_the_compositor(scene):
+    """The add-on's flags tell Blender by themselves, as its own do."""
+    sockets(scene)
+    tree = scene.compositing_node_group if IS_5 else scene.node_tree
+    scene.view_layers[0].iwis.use_pass_visibility = True
+    names = {output.name for output in tree.nodes[0].outputs if output.enabled}
+    assert "IWIS Visibility" in names
+
+
+def test_file_has_the_default_passes(cube_scene, tmp_path):
+    """Combined and IWIS Samples need no setting."""
+    layers = render_iwis(cube_scene, tmp_path)
+    assert {"ViewLayer.Combined", "ViewLayer.IWIS Samples"} == set(layers)
+
+
+@pytest.mark.slow
+def test_file_has_every_pass_with_its_channels(cube_scene, tmp_path):
+    """A multilayer EXR has all passes, and their values are what they say."""
+    ask_for_all(cube_scene.view_layers[0])
+    bpy.data.objects["Cube"].pass_index = 7
+    layers = render_iwis(cube_scene, tmp_path)
+    assert {name: pixels.shape[2] for name, pixels in layers.items()} == {
+        f"ViewLayer.{name}": count for name, count in expected_channels().items()
+    }
+    index = layers["ViewLayer.Object Index" if IS_5 else "ViewLayer.IndexOB"]
+    assert set(index.ravel()) == {0.0, 7.0}  # whole numbers: the pixel filter is Center
+    samples = layers["ViewLayer.IWIS Samples"]
+    assert samples.max() <= cube_scene.iwis.max_samples
+    ratio = layers["ViewLayer.Debug Sample Count"]
+    assert (ratio * cube_scene.iwis.max_samples == samples).all()
+    hit = layers["ViewLayer.Depth"][..., 0] < 1e9
+    assert hit.any() and not hit.all()
+    assert (samples[~hit] == 0).all() and (samples[hit] > 0).all()
+    seen = layers["ViewLayer.Environment" if IS_5 else "ViewLayer.Env"]
+    assert (seen[~hit] == 1.0).all() and (seen[hit] == 0.0).all()
