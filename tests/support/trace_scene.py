@@ -7,6 +7,7 @@ from embreex.rtcore_scene import EmbreeScene
 
 from iwis.iwis_addon.export.camera import export_camera
 from iwis.iwis_addon.export.mesh import export_mesh
+from support.cycles_render import render_cycles
 
 
 class Exported:
@@ -54,7 +55,7 @@ def export_as_render(scene, cache=None, region=None):
 
 
 def camera_rays(camera):
-    """Origins on the camera's near plane, directions and the length to the far plane, (h, w, ...)."""
+    """Origins on the camera's near plane and directions of depth 1, float64 (h, w, 3)."""
     x0, y0, x1, y1 = camera.region
     x, y = np.meshgrid(np.arange(x0, x1) + 0.5, np.arange(y0, y1) + 0.5)
     left, right, bottom, top = camera.window
@@ -107,3 +108,32 @@ def trace(exported):
         "hit": hit,
     }
     return {name: values.reshape(shape + values.shape[1:]) for name, values in layers.items()}
+
+
+def assert_seen_as_in_cycles(scene, tmp_path, region=None):
+    """Render with Cycles, export, trace: the same first hits. Returns what was exported.
+
+    A ray that grazes an edge may fall on either side of it: 0.3 % of the pixels may differ.
+    """
+    seen = render_cycles(scene, tmp_path)
+    exported = export_as_render(scene, region=region)
+    mine = trace(exported)
+    x0, y0, x1, y1 = exported.camera.region
+    if seen["Depth"].shape[:2] != (y1 - y0, x1 - x0):  # a border that is not cropped
+        seen = {name: pixels[y0:y1, x0:x1] for name, pixels in seen.items()}
+    depth = seen["Depth"][..., 0]
+    hit = depth < 1e9  # Cycles writes 1e10 where it sees the world
+    assert hit.shape == mine["hit"].shape
+    assert hit.mean() > 0.05, "the picture shows next to nothing"
+    scale = np.abs(seen["Position"][hit]).max()
+    # 1e-4: float32 through Cycles' own matrices; a pixel's width is 100 times that
+    same = np.abs(seen["Position"] - mine["position"]).max(axis=-1) <= 1e-4 * scale
+    same &= np.abs(depth - mine["depth"]) <= 1e-4 * depth
+    # 1e-3: Cycles 5.2 packs a normal into 32 bits, and interpolates near the edge of a triangle
+    same &= np.abs(seen["Normal"] - mine["normal"]).max(axis=-1) <= 1e-3
+    index = seen.get("Object Index", seen.get("IndexOB"))[..., 0]
+    same &= index == mine["object_index"]
+    different = np.where(hit | mine["hit"], ~(same & hit & mine["hit"]), False)
+    assert different.mean() <= 0.003, f"{different.sum()} of {different.size} pixels differ"
+    assert np.abs(depth[~hit] - 1e10).max(initial=0.0) == 0.0
+    return exported
