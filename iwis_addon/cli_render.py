@@ -104,11 +104,8 @@ def _numbered(path: Path, frame: int) -> Path:
 
 
 def _for_blender(path: Path) -> str:
-    """An absolute path that Blender takes as it is: from 5.0 on braces are templates to it."""
-    text = str(path.resolve())
-    if bpy.app.version >= (5, 0, 0):
-        text = text.replace("{", "{{").replace("}", "}}")
-    return text
+    """An absolute path that Blender takes as it is: single braces would be a template to it."""
+    return str(path.resolve()).replace("{", "{{").replace("}", "}}")
 
 
 def _one_line(error: Exception) -> str:

@@ -132,6 +132,7 @@ class IWIS_PT_performance(_IWISPanel, bpy.types.Panel):
         layout.prop(iwis, "threads", text="IWIS Threads")
         layout.prop(iwis, "tile_px")
         layout.prop(context.scene.render, "use_persistent_data")
+        layout.operator("iwis.bake_tables")
         layout.operator("iwis.clear_cache")
 
 

@@ -2,9 +2,9 @@
 
 import bpy
 
-from . import clear_cache, save_film
+from . import bake_tables, clear_cache, save_film
 
-MODULES = (clear_cache, save_film)
+MODULES = (bake_tables, clear_cache, save_film)
 
 
 def register() -> None:
