@@ -171,13 +171,13 @@ def pdf_at(at, wi_x, wi_y, wi_z):
     if at.kind == DIFFUSE_LOBE:
         return pdf
     sin2, cos_m, cos_h = _half_vector(at, wi_x, wi_y, wi_z)
-    if cos_m <= ZERO:
-        return pdf
     alpha2 = at.alpha * at.alpha
-    if at.gaussian:
-        gloss = beckmann_d(alpha2, sin2) * cos_m / (FOUR * cos_h)
-    else:
+    if at.gaussian:  # facets turned away from wo are taken as well: their h points down
+        gloss = beckmann_d(alpha2, sin2) * abs(cos_m) / (FOUR * cos_h)
+    elif cos_m > ZERO:
         gloss = ggx_d(alpha2, sin2) / (FOUR * at.cos_o * at.seen)
+    else:
+        gloss = ZERO
     return pdf + (ONE - at.diffuse_share) * gloss
 
 

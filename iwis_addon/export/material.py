@@ -108,6 +108,24 @@ def _added(a, b):
     return tuple(x + y for x, y in zip(a, b, strict=True))
 
 
+def _conductor(cosine, n, k):
+    """Fresnel's reflectance of a conductor with index n + ik."""
+    sine2 = 1.0 - cosine**2
+    t = n**2 - k**2 - sine2
+    length = np.sqrt(t**2 + 4.0 * n**2 * k**2)
+    across = np.sqrt(2.0 * (length + t)) * cosine
+    s = (length + cosine**2 - across) / (length + cosine**2 + across)
+    up, side = length * cosine**2 + sine2**2, across * sine2
+    return 0.5 * s * (1.0 + (up - side) / (up + side))
+
+
+def _f82_of_indices(n, k):
+    """Base color and edge tint whose F82 curve meets a conductor's at 0 and 82 degrees."""
+    base, edge = _conductor(1.0, n, k), _conductor(1.0 / 7.0, n, k)
+    schlick = base + (1.0 - base) * (6.0 / 7.0) ** 5
+    return tuple(map(float, base)), tuple(map(float, np.minimum(edge / schlick, 1.0)))
+
+
 class _ShaderReader:
     """Turns shader nodes into a _Surface."""
 
@@ -186,12 +204,13 @@ class _ShaderReader:
         for name in ("Anisotropy", "Thin Film Thickness"):
             if name in node.inputs and self._reader.number(node, name, groups) != 0.0:
                 self._reader.warn(node, f"{name} is not supported and left out")
-        base, tint = color(node, "Base Color", groups), color(node, "Edge Tint", groups)
-        if node.fresnel_type != "F82":
-            n, k = (np.array(color(node, name, groups)) for name in ("IOR", "Extinction"))
-            base = tuple(map(float, ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2)))
-            tint = _WHITE
-            self._reader.warn(node, "a physical conductor's edge is rendered without its tint")
+        if node.fresnel_type == "F82":
+            base, tint = color(node, "Base Color", groups), color(node, "Edge Tint", groups)
+        else:
+            base, tint = _f82_of_indices(
+                np.array(color(node, "IOR", groups)), np.array(color(node, "Extinction", groups))
+            )
+            self._reader.warn(node, "a physical conductor is rendered by the nearest F82 curve")
         return _Surface(
             model=PRINCIPLED,
             distribution=self._distribution(node),

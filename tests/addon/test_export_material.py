@@ -1,0 +1,343 @@
+"""Materials of the open file: what each node means, and that nothing is dropped without a word."""
+
+import bpy
+import numpy as np
+import pytest
+
+from iwis.core.scene import BECKMANN, BLACK, DIFFUSE, GGX, GLOSSY, MULTI_GGX, PRINCIPLED
+from iwis.iwis_addon.export.material import export_materials
+
+
+class Build:
+    """A new material and its nodes."""
+
+    def __init__(self, name="M"):
+        self.material = bpy.data.materials.new(name)
+        if bpy.app.version < (5, 0):
+            self.material.use_nodes = True
+        self.tree = self.material.node_tree
+        self.tree.nodes.clear()
+        self.output = self.node("ShaderNodeOutputMaterial", name="Out")
+
+    def node(self, kind, name=None, tree=None, links=(), **values):
+        """A node; values of inputs and properties by name, spaces as _; links: (input, output)."""
+        node = (tree or self.tree).nodes.new(kind)
+        node.name = name or node.name
+        for key, value in values.items():
+            socket = node.inputs.get(key.replace("_", " "))
+            if socket is None:
+                setattr(node, key, value)
+            else:
+                socket.default_value = value
+        for socket, output in links:
+            self.link(output, node.inputs[socket], tree)
+        return node
+
+    def link(self, output, socket, tree=None):
+        (tree or self.tree).links.new(output, socket)
+
+    def surface(self, node):
+        self.link(node.outputs[0], self.output.inputs["Surface"])
+        return self
+
+
+@pytest.fixture
+def build(scene):
+    return Build()
+
+
+def exported(*materials):
+    """Rows of the table as dicts, and the warnings."""
+    warnings = []
+    params, index = export_materials([getattr(m, "material", m) for m in materials], warnings)
+    assert index.dtype == np.float32 and index.shape == (len(materials),)
+    for column in params:
+        assert column.flags.c_contiguous and len(column) == len(materials)
+    rows = [
+        {name: column[i].tolist() for name, column in params._asdict().items()}
+        for i in range(len(materials))
+    ]
+    return rows, warnings
+
+
+def only(build):
+    """The one row and its warnings."""
+    rows, warnings = exported(build)
+    return rows[0], warnings
+
+
+def about(values):
+    return pytest.approx(values, rel=1e-6)  # float32
+
+
+def test_default_cube():
+    """Blender's start-up file: a Principled BSDF, without a warning."""
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
+    rows, warnings = exported(bpy.data.objects["Cube"].active_material)
+    assert warnings == []
+    assert rows[0]["model"] == PRINCIPLED and rows[0]["distribution"] == MULTI_GGX
+    assert rows[0]["base_color"] == about([0.8] * 3)
+    assert rows[0]["roughness"] == 0.5 and rows[0]["emission"] == [0.0] * 3
+    assert rows[0]["ior"] == about(1.5 if bpy.app.version >= (5, 0) else 1.45)
+
+
+def test_empty_slot_is_cycles_grey(scene):
+    """No material: the diffuse grey that Cycles gives a surface; the index pass is 0."""
+    rows, warnings = exported(None)
+    assert warnings == [] and rows[0]["model"] == DIFFUSE
+    assert rows[0]["base_color"] == about([0.8] * 3)
+
+
+def test_no_materials(scene):
+    """A scene without any: a table of no rows."""
+    assert exported() == ([], [])
+
+
+def test_pass_index(build):
+    build.material.pass_index = 7
+    assert export_materials([None, build.material], [])[1].tolist() == [0.0, 7.0]
+
+
+def test_principled_values(build):
+    """Each supported input arrives; emission carries its strength."""
+    node = build.node(
+        "ShaderNodeBsdfPrincipled",
+        distribution="GGX",
+        Base_Color=(0.1, 0.2, 0.3, 1),
+        Metallic=0.25,
+        Roughness=0.75,
+        IOR=2.0,
+        Specular_IOR_Level=0.8,
+        Specular_Tint=(0.5, 0.6, 0.7, 1),
+        Emission_Color=(1, 0.5, 0.25, 1),
+        Emission_Strength=4.0,
+    )
+    row, warnings = only(build.surface(node))
+    assert warnings == []
+    assert row == {
+        "model": PRINCIPLED,
+        "distribution": GGX,
+        "base_color": about([0.1, 0.2, 0.3]),
+        "metallic": 0.25,
+        "roughness": 0.75,
+        "ior": 2.0,
+        "specular_level": about(0.8),
+        "specular_tint": about([0.5, 0.6, 0.7]),
+        "emission": [4.0, 2.0, 1.0],
+    }
+
+
+@pytest.mark.parametrize("kind", ["ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic"])
+@pytest.mark.parametrize(
+    ("name", "distribution"), [("GGX", GGX), ("MULTI_GGX", MULTI_GGX), ("BECKMANN", BECKMANN)]
+)
+def test_glossy(build, kind, name, distribution):
+    """Both names that Blender has for the node, and each distribution that is supported."""
+    node = build.node(kind, distribution=name, Color=(0.5, 0.25, 1, 1), Roughness=0.5)
+    row, warnings = only(build.surface(node))
+    assert warnings == []
+    assert (row["model"], row["distribution"]) == (GLOSSY, distribution)
+    assert row["base_color"] == [0.5, 0.25, 1.0] and row["roughness"] == 0.5
+
+
+def test_emission_and_its_sums(build):
+    """Emission alone is black with light; Add and Mix with a surface keep both, exactly."""
+    light = build.node("ShaderNodeEmission", Color=(1, 0.5, 0, 1), Strength=2.0)
+    row, warnings = only(build.surface(light))
+    assert (row["model"], row["emission"], warnings) == (BLACK, [2.0, 1.0, 0.0], [])
+    grey = build.node("ShaderNodeBsdfDiffuse", Color=(0.5, 0.5, 0.5, 1))
+    links = [(0, light.outputs[0]), (1, grey.outputs[0])]
+    row, warnings = only(build.surface(build.node("ShaderNodeAddShader", links=links)))
+    assert (row["model"], row["base_color"], warnings) == (DIFFUSE, [0.5] * 3, [])
+    assert row["emission"] == [2.0, 1.0, 0.0]
+    mix = build.node("ShaderNodeMixShader", links=[(1 + i, output) for i, output in links])
+    mix.inputs[0].default_value = 0.25
+    row, warnings = only(build.surface(mix))
+    assert (row["base_color"], row["emission"], warnings) == ([0.125] * 3, [1.5, 0.75, 0.0], [])
+
+
+def test_mix_of_surfaces(build):
+    """Two diffuse are one; a share of 0 or 1 takes one side; else the heavier, with a warning."""
+    red = build.node("ShaderNodeBsdfDiffuse", Color=(1, 0, 0, 1))
+    blue = build.node("ShaderNodeBsdfDiffuse", Color=(0, 0, 1, 1))
+    gloss = build.node("ShaderNodeBsdfGlossy", Color=(0, 1, 0, 1))
+    mix = build.node(
+        "ShaderNodeMixShader", "Mix", links=[(1, red.outputs[0]), (2, blue.outputs[0])]
+    )
+    mix.inputs[0].default_value = 0.25
+    assert only(build.surface(mix))[0]["base_color"] == [0.75, 0.0, 0.25]
+    build.link(gloss.outputs[0], mix.inputs[2])
+    row, warnings = only(build)
+    assert row["model"] == DIFFUSE and row["base_color"] == [1.0, 0.0, 0.0]
+    assert len(warnings) == 1 and 'material "M", node "Mix": ' in warnings[0]
+    mix.inputs[0].default_value = 1.0
+    row, warnings = only(build)
+    assert row["model"] == GLOSSY and warnings == []
+
+
+OTHERS = {
+    "ShaderNodeBsdfTransparent": DIFFUSE,
+    "ShaderNodeBsdfTranslucent": DIFFUSE,
+    "ShaderNodeBsdfGlass": GLOSSY,
+    "ShaderNodeBsdfRefraction": GLOSSY,
+    "ShaderNodeSubsurfaceScattering": DIFFUSE,
+    "ShaderNodeBsdfSheen": DIFFUSE,
+    "ShaderNodeBsdfToon": DIFFUSE,
+    "ShaderNodeBsdfHair": DIFFUSE,
+    "ShaderNodeBsdfHairPrincipled": DIFFUSE,
+    "ShaderNodeBsdfRayPortal": DIFFUSE,
+    "ShaderNodeEeveeSpecular": DIFFUSE,
+    "ShaderNodeVolumeScatter": DIFFUSE,
+    "ShaderNodeHoldout": BLACK,
+}
+
+
+@pytest.mark.parametrize("kind", OTHERS)
+def test_unsupported_shader_is_never_black_without_a_word(build, kind):
+    """The nearest supported meaning, and one warning with the names of material and node."""
+    row, warnings = only(build.surface(build.node(kind, "Strange")))
+    assert row["model"] == OTHERS[kind]
+    assert max(row["base_color"]) > 0.0
+    assert len(warnings) == 1 and warnings[0].startswith('material "M", node "Strange": ')
+
+
+IGNORED = {
+    "Alpha": 0.5,
+    "Diffuse Roughness": 0.5,
+    "Subsurface Weight": 0.5,
+    "Anisotropic": 0.5,
+    "Transmission Weight": 1.0,
+    "Coat Weight": 0.5,
+    "Sheen Weight": 0.5,
+    "Thin Film Thickness": 100.0,
+}
+
+
+@pytest.mark.parametrize("name", IGNORED)
+def test_principled_input_left_out_is_told(build, name):
+    node = build.node("ShaderNodeBsdfPrincipled", "P")
+    node.inputs[name].default_value = IGNORED[name]
+    row, warnings = only(build.surface(node))
+    assert row["model"] == PRINCIPLED
+    assert len(warnings) == 1 and name in warnings[0] and 'node "P"' in warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("kind", "values"),
+    [
+        ("ShaderNodeBsdfDiffuse", {"Roughness": 0.5}),
+        ("ShaderNodeBsdfGlossy", {"Anisotropy": 0.5}),
+        ("ShaderNodeBsdfGlossy", {"distribution": "ASHIKHMIN_SHIRLEY"}),
+        ("ShaderNodeBsdfMetallic", {"fresnel_type": "PHYSICAL_CONDUCTOR"}),
+    ],
+)
+def test_other_settings_left_out_are_told(build, kind, values):
+    assert len(only(build.surface(build.node(kind, **values)))[1]) == 1
+
+
+def test_metallic_node_is_a_principled_metal(build):
+    """The Metallic BSDF with its F82 curve; indices give the same reflectance along the normal."""
+    node = build.node(
+        "ShaderNodeBsdfMetallic", Base_Color=(0.9, 0.6, 0.3, 1), Edge_Tint=(0.5, 1, 1, 1)
+    )
+    row, warnings = only(build.surface(node))
+    assert warnings == [] and row["model"] == PRINCIPLED and row["metallic"] == 1.0
+    assert row["base_color"] == about([0.9, 0.6, 0.3]) and row["specular_tint"] == [0.5, 1.0, 1.0]
+
+
+def test_bump_displacement_and_volume_are_told(build):
+    """What feeds Normal, Displacement and Volume is left out, with a warning each."""
+    bump = build.node("ShaderNodeBump")
+    node = build.node("ShaderNodeBsdfDiffuse", links=[("Normal", bump.outputs[0])])
+    build.link(build.node("ShaderNodeVolumeScatter").outputs[0], build.output.inputs["Volume"])
+    build.link(build.node("ShaderNodeDisplacement").outputs[0], build.output.inputs["Displacement"])
+    warnings = only(build.surface(node))[1]
+    assert [next(w for w in ("Normal", "Volume", "Displacement") if w in line) for line in warnings]
+    assert len(warnings) == 3
+
+
+def test_constants_are_found_through_links(build):
+    """RGB and Value nodes, through a reroute and a muted node: exact, so no warning."""
+    rgb = build.node("ShaderNodeRGB")
+    rgb.outputs[0].default_value = (0.1, 0.2, 0.3, 1)
+    muted = build.node("ShaderNodeGamma", links=[("Color", rgb.outputs[0])])
+    muted.mute = True
+    reroute = build.node("NodeReroute", links=[(0, muted.outputs[0])])
+    value = build.node("ShaderNodeValue")
+    value.outputs[0].default_value = 0.3
+    node = build.node(
+        "ShaderNodeBsdfPrincipled",
+        links=[("Base Color", reroute.outputs[0]), ("Roughness", value.outputs[0])],
+    )
+    build.link(rgb.outputs[0], node.inputs["Metallic"])
+    row, warnings = only(build.surface(node))
+    assert warnings == []
+    assert row["base_color"] == about([0.1, 0.2, 0.3]) and row["roughness"] == about(0.3)
+    assert row["metallic"] == about(0.2126 * 0.1 + 0.7152 * 0.2 + 0.0722 * 0.3)  # luminance
+
+
+def test_node_group(build):
+    """A shader in a group, its color an input of the group: the value at the group's node."""
+    group = bpy.data.node_groups.new("Paint", "ShaderNodeTree")
+    group.interface.new_socket("Tint", in_out="INPUT", socket_type="NodeSocketColor")
+    group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    inside = build.node("NodeGroupInput", tree=group)
+    diffuse = build.node("ShaderNodeBsdfDiffuse", tree=group, links=[("Color", inside.outputs[0])])
+    build.node("NodeGroupOutput", tree=group, links=[(0, diffuse.outputs[0])])
+    node = build.node("ShaderNodeGroup", node_tree=group)
+    node.inputs["Tint"].default_value = (0.25, 0.5, 0.75, 1)
+    row, warnings = only(build.surface(node))
+    assert (row["model"], row["base_color"], warnings) == (DIFFUSE, [0.25, 0.5, 0.75], [])
+
+
+@pytest.mark.parametrize("floating", [False, True])
+def test_texture_becomes_its_mean(build, floating):
+    """An image is the mean of its linear texels for now, and the warning says which image."""
+    image = bpy.data.images.new("Tiles", 2, 2, float_buffer=floating)
+    image.pixels[:] = [0.5, 0.0, 1.0, 1.0] * 2 + [1.0, 0.0, 1.0, 1.0] * 2
+    texture = build.node("ShaderNodeTexImage", "Tex", image=image)
+    node = build.node("ShaderNodeBsdfDiffuse", links=[("Color", texture.outputs["Color"])])
+    row, warnings = only(build.surface(node))
+    half = 0.5 if floating else 0.2140  # 128/255 of sRGB
+    assert row["base_color"] == pytest.approx([0.5 + 0.5 * half, 0.0, 1.0], abs=2e-3)  # 8 bits
+    assert len(warnings) == 1 and "Tiles" in warnings[0] and 'node "Tex"' in warnings[0]
+
+
+def test_texture_without_image(build):
+    """Pink as in Cycles, and a warning."""
+    texture = build.node("ShaderNodeTexImage")
+    node = build.node("ShaderNodeBsdfDiffuse", links=[("Color", texture.outputs["Color"])])
+    row, warnings = only(build.surface(node))
+    assert row["base_color"] == [1.0, 0.0, 1.0] and len(warnings) == 1
+
+
+def test_other_link_leaves_the_value_beneath(build):
+    """A procedural texture: the socket's own value, and a warning."""
+    noise = build.node("ShaderNodeTexNoise", "Noise")
+    node = build.node(
+        "ShaderNodeBsdfDiffuse", Color=(0.5, 0.25, 0, 1), links=[("Color", noise.outputs[0])]
+    )
+    row, warnings = only(build.surface(node))
+    assert row["base_color"] == [0.5, 0.25, 0.0]
+    assert len(warnings) == 1 and 'node "Noise"' in warnings[0] and '"Color"' in warnings[0]
+
+
+def test_nothing_linked_is_black_with_a_word(build):
+    """Cycles renders both black; the warning says why."""
+    row, warnings = only(build)
+    assert row["model"] == BLACK and len(warnings) == 1
+    build.tree.nodes.clear()
+    row, warnings = only(build)
+    assert row["model"] == BLACK and len(warnings) == 1
+
+
+def test_material_without_nodes(scene):
+    """Its viewport color, diffuse; from Blender 5 on a material always has nodes."""
+    material = bpy.data.materials.new("Plain")
+    material.diffuse_color = (0.5, 0.25, 0.125, 1)
+    rows, warnings = exported(material)
+    assert warnings == []
+    if bpy.app.version < (5, 0):
+        assert (rows[0]["model"], rows[0]["base_color"]) == (DIFFUSE, [0.5, 0.25, 0.125])
+    else:
+        assert rows[0]["model"] == PRINCIPLED
