@@ -74,6 +74,9 @@ class _WorldReader:
             return self._map(_BLACK, _WHITE)
         if output.inputs["Volume"].is_linked:
             self.warn(output, "the world's volume is not supported: it is left out")
+        if _hidden_from(self._world):
+            kinds = " and ".join(_hidden_from(self._world))
+            self.warn(None, f"ray visibility for {kinds} rays is not supported: they are lit")
         end = follow(output.inputs["Surface"])
         if end.node.bl_idname in _EMITTERS:
             radiance = self._color(end.node.inputs["Color"], end.groups)
@@ -125,13 +128,18 @@ class _WorldReader:
             negative = radiance < 0.0
         largest = np.max(radiance, where=np.isfinite(radiance) & ~negative, initial=0.0)
         largest = largest if largest > 0.0 else _LARGEST
-        counts = [int(mask.any(axis=-1).sum()) for mask in (nan, infinite, negative)]
-        of_what = "colour" if self._image is None else f'image "{self._image.node.image.name}"'
-        self.warn(
-            self._image and self._image.node,
-            f"{of_what}: {counts[0]} texels are NaN, {counts[2]} negative (now 0), "
-            f"{counts[1]} infinite (now {largest:g}), of {radiance[..., 0].size}",
-        )
+        of_what = "the colour" if self._image is None else f'"{self._image.node.image.name}"'
+        for mask, what, now in (
+            (nan, "NaN", 0.0),
+            (negative, "negative", 0.0),
+            (infinite, "infinite", largest),
+        ):
+            if mask.any():
+                texels = f"{int(mask.any(axis=-1).sum())} of {radiance[..., 0].size} texels"
+                self.warn(
+                    self._image and self._image.node,
+                    f"{texels} of {of_what} are {what}: {now:g} instead",
+                )
         return np.where(
             infinite, np.float32(largest), np.where(nan | negative, 0, radiance)
         ).astype(np.float32)
@@ -235,6 +243,12 @@ class _WorldReader:
         except ImageError as error:
             self.warn(node, f"{error}. Pink instead, as in Cycles")
             return _MISSING.reshape(1, 1, 3), False
+
+
+def _hidden_from(world) -> list[str]:
+    """Kinds of rays that the world is hidden from in Cycles, and that it lights here."""
+    visibility = getattr(world, "cycles_visibility", None)
+    return [kind for kind in ("diffuse", "glossy") if not getattr(visibility, kind, True)]
 
 
 def _visible_to_camera(world) -> bool:

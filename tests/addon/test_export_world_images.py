@@ -1,0 +1,145 @@
+"""Files, colour spaces and alpha give the same radiance as in Cycles."""
+
+import bpy
+import numpy as np
+import pytest
+
+from support.world_render import (
+    RELATIVE,
+    assert_as_cycles,
+    cycles_background,
+    exported,
+    looked_up,
+    new_image,
+    new_world,
+    save_image,
+    some_texels,
+    textured_world,
+)
+
+
+@pytest.fixture
+def tree(scene):
+    return new_world(scene)
+
+
+@pytest.fixture
+def texels(rng):
+    return some_texels(rng)
+
+
+@pytest.mark.parametrize("packed", [False, True], ids=["file", "packed"])
+@pytest.mark.parametrize(
+    "name, file_format, depth",
+    [
+        ("map8.png", "PNG", "8"),
+        ("map16.png", "PNG", "16"),
+        ("half.exr", "OPEN_EXR", "16"),
+        ("float.exr", "OPEN_EXR", "32"),
+        ("map.hdr", "HDR", "32"),
+        ("map.jpg", "JPEG", "8"),
+    ],
+)
+def test_files(scene, tree, texels, tmp_path, name, file_format, depth, packed):
+    image = save_image(texels, tmp_path / name, file_format, depth)
+    if packed:
+        image.pack()
+    textured_world(tree, image)
+    # sRGB multiplies a contrast by 2.4 at most.
+    assert_as_cycles(scene, tmp_path, relative=2.4 * RELATIVE)
+
+
+@pytest.mark.parametrize("is_float", [False, True], ids=["byte", "float"])
+@pytest.mark.parametrize(
+    "space, slope",
+    [
+        ("sRGB", 2.4),
+        ("Non-Color", 1.0),
+        ("Linear Rec.709", 1.0),
+        ("Linear Rec.2020", 1.0),
+        ("ACEScg", 1.0),
+        ("Filmic sRGB", 3.0),
+        ("AgX Log", 17.3),  # 25 stops, ln 2 each
+    ],
+)
+def test_colour_spaces(scene, tree, texels, tmp_path, space, slope, is_float):
+    """Of files, in the spaces that Blender converts.
+
+    Cycles converts bytes as half floats: 2^-11 before and after, the former times the relative
+    change of the result for a change of the number, ``slope``.
+    """
+    numbers = 0.4 + 0.1 * texels if space == "AgX Log" else texels  # stays positive, contrast 1:2
+    numbers = 0.6 * numbers + 0.4 * numbers.mean(axis=2, keepdims=True)  # likewise
+    path, kind = (("map.exr", "OPEN_EXR"), ("map.png", "PNG"))[not is_float]
+    image = save_image(numbers, tmp_path / path, kind, "32" if is_float else "8")
+    image.colorspace_settings.name = space
+    textured_world(tree, image)
+    half = 0.0 if is_float else (1.0 + slope) * 2**-11
+    assert_as_cycles(scene, tmp_path, max(1.0, min(slope, 3.0)) * RELATIVE, half)
+
+
+@pytest.mark.parametrize("alpha_mode", ["STRAIGHT", "CHANNEL_PACKED", "NONE"])
+@pytest.mark.parametrize("packed", [False, True], ids=["file", "packed"])
+def test_alpha_of_byte_images(scene, tree, texels, tmp_path, rng, alpha_mode, packed):
+    image = save_image(texels, tmp_path / "a.png", "PNG", alpha=rng.uniform(0.5, 1, (8, 16)))
+    image.alpha_mode = alpha_mode
+    if packed:
+        image.pack()
+    textured_world(tree, image)
+    # Multiplied bytes are whole numbers again, in Cycles' file reader rounded another way: 1/128.
+    assert_as_cycles(scene, tmp_path, 2.4 * RELATIVE, 2.4 * 2**-7)
+
+
+def test_image_sequence_frame(scene, tree, texels, tmp_path):
+    """The frame of the node's image user, not the first file."""
+    for frame in (1, 2, 3):
+        bpy.data.images.remove(save_image(texels * frame / 3, tmp_path / f"s{frame}.png", "PNG"))
+    image = bpy.data.images.load(str(tmp_path / "s1.png"))
+    image.source = "SEQUENCE"
+    texture, _ = textured_world(tree, image)
+    user = texture.image_user
+    user.frame_duration, user.frame_start, user.use_auto_refresh = 3, 1, True
+    scene.frame_set(3)
+    assert_as_cycles(scene, tmp_path, relative=2.4 * RELATIVE)
+    environment, _ = exported()
+    assert environment.radiance.max() > 0.9
+
+
+def test_missing_images_are_pink_as_in_cycles(scene, tree, tmp_path):
+    """No image chosen, no file, an empty file, a damaged file, a damaged packed file."""
+    texture, _ = textured_world(tree, None)
+    empty, damaged = tmp_path / "empty.exr", tmp_path / "damaged.png"
+    empty.touch()
+    damaged.write_bytes(b"\x89PNG\r\n\x1a\n and then something else")
+    packed = bpy.data.images.load(str(damaged))
+    packed.pack()
+    for path in (None, tmp_path / "gone.hdr", empty, damaged, packed):
+        if isinstance(path, bpy.types.Image):
+            texture.image = path
+        elif path is not None:
+            texture.image = bpy.data.images.new("map", 4, 4)
+            texture.image.source, texture.image.filepath = "FILE", str(path)
+        environment, warnings = exported()
+        np.testing.assert_array_equal(looked_up(environment)[:9], np.tile([1, 0, 1], (9, 1)))
+        np.testing.assert_allclose(cycles_background(scene, tmp_path)[:, 1], 0.0)
+        assert len(warnings) == 1 and texture.name in warnings[0]
+        if path is not None and path is not packed:
+            assert str(path) in warnings[0]
+
+
+def test_bad_radiance_is_counted_and_mended(tree, texels):
+    texels[0, 0] = np.nan
+    texels[1, 1, 0] = -3.0
+    texels[2, 2, 1] = np.inf
+    texels[3, 3] = -np.inf
+    texels[4, 4] = 7.0
+    textured_world(tree, new_image(texels))
+    environment, warnings = exported()
+    radiance = environment.radiance
+    assert radiance[0, 0].max() == radiance[3, 3].max() == radiance[1, 1, 0] == 0.0
+    assert radiance[2, 2, 1] == 7.0
+    np.testing.assert_array_equal(radiance[5:], texels[5:])
+    expected = ("1 of 128 texels of", "NaN"), ("2 of", "negative"), ("1 of", "infinite: 7 instead")
+    assert len(warnings) == 3
+    for text, words in zip(warnings, expected, strict=True):
+        assert '"World"' in text and '"map"' in text and all(word in text for word in words)
