@@ -45,8 +45,9 @@ class TriangleMesh:
     """All triangles of the scene, in world space, in one table.
 
     vertices: float32 (n, 3); triangles: int32 (m, 3), indices into vertices
-    corner_normals: float32 (m, 3, 3), unit shading normals at the three corners (a flat face has
-        its geometric normal three times), on the side that the winding points to
+    corner_normals: float32 (m, 3, 3), shading normals at the three corners (a flat face has its
+        geometric normal three times), on the side that the winding points to; of unit length, but
+        for instances under a scale that is not uniform: normalise what is interpolated
     material_index: int32 (m,), row of Scene.materials; object_index: int32 (m,), row of the objects
     """
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 from ...core.scene import Scene
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
+from .material import export_materials
 from .mesh import ExportCache, export_mesh
+from .world import export_world
 
 __all__ = ["ExportCache", "ExportCancelled", "ExportError", "export_scene"]
 
@@ -29,9 +31,6 @@ def export_scene(
     warnings: gets one line for all that is rendered otherwise than Cycles would
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
-    from .material import export_materials
-    from .world import export_world
-
     camera = export_camera(depsgraph, warnings, region=region)
     geometry = export_mesh(depsgraph, warnings, cache, cancelled)
     materials, material_pass_index = export_materials(geometry.materials, warnings)

@@ -2,7 +2,8 @@
 
 As in Cycles, an instance is what ``depsgraph.object_instances`` lists with ``show_self``; the graph
 of a final render leaves out what is hidden from renders, and lists each copy made by collections,
-particles and geometry nodes.
+particles and geometry nodes. Of a text, curve, surface or metaball it lists the object and, as an
+instance of type MESH, the mesh that it evaluates to: only the latter is taken.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ import numpy as np
 from .errors import ExportCancelled
 from .local_mesh import LocalMesh, read_mesh
 
-CONVERTED_TYPES = frozenset({"CURVE", "SURFACE", "FONT", "META"})
 UNSUPPORTED_TYPES = {
     "CURVES": "hair curves",
     "POINTCLOUD": "point clouds",
@@ -103,20 +103,22 @@ class _Collector:
     def _part(self, obj):
         """Row of the object's mesh (None if it has no face) and the materials of its data."""
         data = obj.data
-        converted = obj.type in CONVERTED_TYPES or data.is_editmode
-        # A converted mesh depends on the object's modifiers, so the object is part of its key.
-        key = (obj.original.as_pointer() if converted else 0, data.as_pointer())
+        edited = data.is_editmode
+        # In edit mode objects share a mesh in spite of their modifiers: they are part of the key.
+        key = (obj.original.as_pointer() if edited else 0, data.as_pointer())
         if key not in self._parts:
             if self._cancelled():
                 raise ExportCancelled
-            mesh = obj.to_mesh() if converted else data
+            mesh = obj.to_mesh() if edited else data
             row, rows = None, []
-            local = None if mesh is None else read_mesh(mesh, self._known)
+            local = read_mesh(mesh, self._known)
             if local is not None:
-                row, rows = len(self.inventory.parts), list(map(self._material_row, mesh.materials))
+                row = len(self.inventory.parts)
                 self.inventory.parts.append(local)
+                if self._override is None:
+                    rows = list(map(self._material_row, mesh.materials))
             self._parts[key] = row, rows
-            if converted:
+            if edited:
                 obj.to_mesh_clear()
         return self._parts[key]
 
@@ -148,7 +150,7 @@ class _Collector:
         if not item.show_self:
             return
         kind = obj.type
-        if kind == "MESH" or kind in CONVERTED_TYPES:
+        if kind == "MESH":
             self._add_mesh(obj, item.matrix_world)
         elif kind == "LIGHT":
             self.ignored.add("Only the world lights the scene, lights are ignored", obj.name)

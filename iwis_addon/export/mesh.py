@@ -11,7 +11,7 @@ from ...core.scene import TriangleMesh
 from .errors import ExportError
 from .instances import Inventory, collect_instances
 from .local_mesh import LocalMesh
-from .placement import place_instances
+from .placement import place_instances, usable_vertices
 
 # The corners of all triangles, three each, are counted in int32.
 MOST_TRIANGLES = (1 << 31) // 3
@@ -54,19 +54,19 @@ def _drop_triangles(mesh: TriangleMesh, keep, instances, warnings) -> TriangleMe
     dropped = np.flatnonzero(~keep)
     if len(dropped) == 0:
         return mesh
-    finite_vertex = np.isfinite(mesh.vertices).all(axis=1)
-    finite = finite_vertex[mesh.triangles[dropped]].all(axis=1)
+    usable_vertex = usable_vertices(mesh.vertices)
+    usable = usable_vertex[mesh.triangles[dropped]].all(axis=1)
     counts: dict[str, list[int]] = defaultdict(lambda: [0, 0])
-    for kind, chosen in enumerate((dropped[~finite], dropped[finite])):
+    for kind, chosen in enumerate((dropped[~usable], dropped[usable])):
         for row, n in enumerate(np.bincount(mesh.object_index[chosen], minlength=len(instances))):
             if n:
                 counts[instances[row].name][kind] += int(n)
     for name, (broken, flat) in counts.items():
         warnings.append(
             f"Object {name}: {broken + flat} triangles left out ({flat} without area, "
-            f"{broken} with a vertex that is infinite or not a number)"
+            f"{broken} with a vertex that is infinite or not a number): clean up its mesh"
         )
-    mesh.vertices[~finite_vertex] = 0.0  # no triangle names them, but bounds may be taken of all
+    mesh.vertices[~usable_vertex] = 0.0  # no triangle names them, but bounds may be taken of all
     return TriangleMesh(
         vertices=mesh.vertices,
         triangles=mesh.triangles[keep],

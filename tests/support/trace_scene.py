@@ -17,7 +17,7 @@ class Exported:
         self.warnings = []
         self.geometry = export_mesh(depsgraph, self.warnings, cache)
         self.mesh = self.geometry.mesh
-        self.material_names = [m.name if m else None for m in self.geometry.materials]
+        self.materials = [(m.name, m.pass_index) if m else None for m in self.geometry.materials]
         self.camera = export_camera(depsgraph, self.warnings, region=region)
 
 
@@ -110,12 +110,29 @@ def trace(exported):
     return {name: values.reshape(shape + values.shape[1:]) for name, values in layers.items()}
 
 
+def render_diffuse(scene, tmp_path):
+    """Cycles' layers with every surface diffuse: specular closures bend the normal of the pass."""
+    layer = scene.view_layers[0]
+    before = layer.material_override
+    layer.material_override = material = bpy.data.materials.new("Diffuse")
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
+    nodes = material.node_tree.nodes
+    output = nodes["Material Output"].inputs["Surface"]
+    material.node_tree.links.new(nodes.new("ShaderNodeBsdfDiffuse").outputs[0], output)
+    try:
+        return render_cycles(scene, tmp_path)
+    finally:
+        layer.material_override = before
+        bpy.data.materials.remove(material)
+
+
 def assert_seen_as_in_cycles(scene, tmp_path, region=None):
     """Render with Cycles, export, trace: the same first hits. Returns what was exported.
 
     A ray that grazes an edge may fall on either side of it: 0.3 % of the pixels may differ.
     """
-    seen = render_cycles(scene, tmp_path)
+    seen = render_diffuse(scene, tmp_path)
     exported = export_as_render(scene, region=region)
     mine = trace(exported)
     x0, y0, x1, y1 = exported.camera.region
