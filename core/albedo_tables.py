@@ -129,7 +129,7 @@ def _fill_blends(lattice, eta2_minus_1, f0, inv_range, dielectric, metal):
                 metal[y, x] += HALF * powers * share
 
 
-@kernel
+@kernel(forceinline=True)
 def _cell(x, n):
     """Index and fraction of x in 0 ... 1 on a grid of n points."""
     x = min(max(x, ZERO), ONE) * np.float32(n - 1)
@@ -137,22 +137,32 @@ def _cell(x, n):
     return i, x - np.float32(i)
 
 
-@kernel
+@kernel(forceinline=True)
 def read_1d(table, x):
     """Linear interpolation; the coordinates of these three are clamped to 0 ... 1."""
     i, t = _cell(x, table.shape[0])
-    return (ONE - t) * table[i] + t * table[i + 1]
+    return table[i] + t * (table[i + 1] - table[i])
 
 
-@kernel
+@kernel(forceinline=True)
 def read_2d(table, y, x):
     """Bilinear interpolation in table[y, x]."""
-    i, t = _cell(y, table.shape[0])
-    return (ONE - t) * read_1d(table[i], x) + t * read_1d(table[i + 1], x)
+    j, u = _cell(y, table.shape[0])
+    i, t = _cell(x, table.shape[1])
+    low = table[j, i] + t * (table[j, i + 1] - table[j, i])
+    high = table[j + 1, i] + t * (table[j + 1, i + 1] - table[j + 1, i])
+    return low + u * (high - low)
 
 
-@kernel
+@kernel(forceinline=True)
 def read_3d(table, z, y, x):
     """Trilinear interpolation in table[z, y, x]."""
-    i, t = _cell(z, table.shape[0])
-    return (ONE - t) * read_2d(table[i], y, x) + t * read_2d(table[i + 1], y, x)
+    k, v = _cell(z, table.shape[0])
+    j, u = _cell(y, table.shape[1])
+    i, t = _cell(x, table.shape[2])
+    total = ZERO
+    for c in range(2):
+        low = table[k + c, j, i] + t * (table[k + c, j, i + 1] - table[k + c, j, i])
+        high = table[k + c, j + 1, i] + t * (table[k + c, j + 1, i + 1] - table[k + c, j + 1, i])
+        total += (v if c else ONE - v) * (low + u * (high - low))
+    return total

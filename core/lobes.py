@@ -120,12 +120,12 @@ def _setup(params, normal, geometric_normal, wo, tables, out):
         _set_kind(p, out)
 
 
-@kernel
+@kernel(forceinline=True)
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@kernel
+@kernel(forceinline=True)
 def _clip(x):
     return min(max(x, ZERO), ONE)
 
@@ -181,7 +181,7 @@ def _albedos(params, p, tables, cos_o):
     return read_2d(tables.albedo, cos_o, roughness), read_1d(tables.mean_albedo, roughness)
 
 
-@kernel
+@kernel(forceinline=True)
 def _gain(albedo, mean_albedo, fresnel_mean):
     """The factor that brings the later bounces between facets back [Kulla17]."""
     later = fresnel_mean * mean_albedo / (ONE - fresnel_mean * (ONE - mean_albedo))
@@ -260,7 +260,7 @@ def _add_mirror(params, p, tables, out):
         out.glossy_color[p, c] = color * gain * albedo
 
 
-@kernel
+@kernel(forceinline=True)
 def _luminance(rgb):
     return np.float32(0.2126) * rgb[0] + np.float32(0.7152) * rgb[1] + np.float32(0.0722) * rgb[2]
 
