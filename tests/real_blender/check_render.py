@@ -20,7 +20,9 @@ from iwis.core.exr import read_exr_layers
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-SMALL = "import bpy; r = bpy.context.scene.render; r.resolution_percentage = 25"
+SMALL = "import bpy; s = bpy.context.scene; s.render.resolution_percentage = 25"
+OWN_FLAGS = ("use_pass_error", "use_pass_unoccluded", "use_pass_visibility")
+ALL_PASSES = "".join(f"; s.view_layers[0].iwis.{flag} = True" for flag in OWN_FLAGS)
 NO_CAMERA = "import bpy; bpy.context.scene.camera = None"
 OWN_PASSES = ("IWIS Samples", "IWIS Error", "IWIS Unoccluded", "IWIS Visibility")
 
@@ -108,7 +110,7 @@ def main() -> None:
         check("IWIS" in blender.run("-b", "-E", "help").split(), "Blender lists the engine IWIS")
         arguments = ["-b", options.blend.resolve(), "-E", "IWIS", "-o", folder / "out_####"]
         arguments += ["-F", "OPEN_EXR_MULTILAYER"]
-        text = blender.run(*arguments, "--python-expr", SMALL, "-f", "1")
+        text = blender.run(*arguments, "--python-expr", SMALL + ALL_PASSES, "-f", "1")
         check(f"Saved: '{folder}/out_0001.exr'" in text, "Blender says where it saved")
         check_layers(folder / "out_0001.exr")
         blender.run(*arguments, "--python-expr", NO_CAMERA, "-f", "2", expected_code=1)
