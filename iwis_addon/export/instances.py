@@ -111,7 +111,7 @@ class _Collector:
                 raise ExportCancelled
             mesh = obj.to_mesh() if edited else data
             row, rows = None, []
-            local = read_mesh(mesh, self._known)
+            local = read_mesh(mesh, self._known, self._cancelled)
             if local is not None:
                 row = len(self.inventory.parts)
                 self.inventory.parts.append(local)

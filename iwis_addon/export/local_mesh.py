@@ -13,6 +13,8 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
+from .errors import ExportCancelled
+
 
 class LocalMesh(NamedTuple):
     """Triangles and normals of a mesh, in object space.
@@ -144,11 +146,14 @@ def _derive(mesh, source: _Source, digest: bytes) -> LocalMesh:
     return LocalMesh(source.positions, triangles, normals, normal_index, flat, slots, digest)
 
 
-def read_mesh(mesh, known: dict[bytes, LocalMesh] | None = None) -> LocalMesh | None:
+def read_mesh(
+    mesh, known: dict[bytes, LocalMesh] | None = None, cancelled=lambda: False
+) -> LocalMesh | None:
     """An evaluated bpy mesh as arrays of our own; None if it has no face.
 
     known: meshes of earlier frames by digest; an equal one is returned instead of a new one, which
         saves the triangulation. None: no digest is computed.
+    Raises ExportCancelled if cancelled() says so half way: two million triangles take 0.4 s.
     """
     if len(mesh.polygons) == 0:
         return None
@@ -156,4 +161,6 @@ def read_mesh(mesh, known: dict[bytes, LocalMesh] | None = None) -> LocalMesh | 
     digest = b"" if known is None else _digest(source)
     if known and digest in known:
         return known[digest]
+    if cancelled():
+        raise ExportCancelled
     return _derive(mesh, source, digest)
