@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from support.statistics import (
     chi2_p_value,
     chi2_survival,

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from support.naive import haar_basis
 
 from iwis.core.haar import forward, inverse, truncated
+from support.naive import haar_basis
 
 
 @pytest.mark.parametrize("side", [1, 2, 4, 16, 64])

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from support.naive import radical_inverse
-from support.statistics import chi2_p_value, sidak
 
 from iwis.core.halton import halton_table, hash_pixel, radical_inverse_2, radical_inverse_3
+from support.naive import radical_inverse
+from support.statistics import chi2_p_value, sidak
 
 
 def test_radical_inverse_2_mirrors_binary_digits():

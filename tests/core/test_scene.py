@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from support.scenes import camera_above, diffuse, floor, gradient_world, make_mesh, make_scene
 
 from iwis.core.scene import EnvironmentMap
+from support.scenes import camera_above, diffuse, floor, gradient_world, make_mesh, make_scene
 
 
 def _scene():

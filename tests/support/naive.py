@@ -134,3 +134,25 @@ def integrate_glossy(light, color, alpha, normal, wo, side=700):
     # brdf cos_i d wi = D G2 / (4 cos_o) 4 (wo . h) d h, and d h has density D cos_h.
     weight = wo_h / (local_wo[2] * h[:, 2] * hidden)
     return color * (light(wi @ frame) * weight[:, None]).sum(0) / side**2
+
+
+def forest_grid(forest, s: int, channel: int, side: int) -> np.ndarray:
+    """float64 (side, side): the values of slice s of a HaarForest, node by node."""
+    grid = np.full((side, side), float(forest.slice_mean[s, channel]))
+
+    def add(node, level, i, j):
+        scale, size = 2.0**level, side >> level
+        h, v, d = (float(x) for x in forest.detail[node, :, channel])
+        half = size // 2
+        square = grid[i * size : (i + 1) * size, j * size : (j + 1) * size]
+        square[:half, :half] += scale * (h + v + d)
+        square[:half, half:] += scale * (-h + v - d)
+        square[half:, :half] += scale * (h - v - d)
+        square[half:, half:] += scale * (-h - v + d)
+        for q, child in enumerate(forest.child[node]):
+            if child >= 0:
+                add(child, level + 1, 2 * i + q // 2, 2 * j + q % 2)
+
+    if forest.root[s] >= 0:
+        add(forest.root[s], 0, 0, 0)
+    return grid
