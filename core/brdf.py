@@ -2,7 +2,7 @@
 
 Called once a sample: float32 throughout, and a point without gloss leaves after one dot product.
 eval_at, pdf_at and sample_at want a point that lobes_at has loaded, for all samples of that point;
-eval_brdf_cos, pdf_brdf and sample_brdf load it themselves, which doubles their cost.
+eval_brdf_cos, pdf_brdf and sample_brdf load it themselves, which adds 5 to 8 ns.
 
 wi and wo are unit, world space, away from the surface. wi below the horizon of the *geometric*
 normal is not rejected here: whoever traces the shadow ray does that.
@@ -40,10 +40,7 @@ _ALMOST_ONE = np.float32(1.0 - 2.0**-24)
 
 
 class LobesAt(NamedTuple):
-    """One point's row of Lobes as plain numbers, which kernels pass about for nothing.
-
-    (Handing on the tuple of arrays costs 300 ns a call: numba counts the references to each.)
-    """
+    """One point's row of Lobes as plain numbers, which stay in registers from sample to sample."""
 
     kind: int
     gaussian: bool  # the distribution is BECKMANN
@@ -75,7 +72,7 @@ def _row2(a, p, i):
 
 @kernel(forceinline=True)
 def lobes_at(lobes, p):
-    """Row p of lobes: load it once for all samples of a point (25 ns)."""
+    """Row p of lobes: load it once for all samples of a point."""
     return LobesAt(
         lobes.kind[p],
         lobes.distribution[p] == BECKMANN,
