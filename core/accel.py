@@ -59,8 +59,8 @@ def ray_offset(vertices: np.ndarray) -> float:
     return max(largest, 1e-3) * 2.0**-19
 
 
-@kernel
-def offset_origin(position, normal, offset, sign, out, k):
-    """Write to out[k] the point ``position`` moved by ``offset`` along sign * normal."""
+@kernel(forceinline=True)
+def offset_origin(positions, normals, p, distance, out, k):
+    """Write to out[k] the position p moved by ``distance`` along normal p."""
     for a in range(3):
-        out[k, a] = position[a] + sign * offset * normal[a]
+        out[k, a] = positions[p, a] + distance * normals[p, a]

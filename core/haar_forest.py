@@ -149,7 +149,7 @@ def _add_nodes(coefficients, levels, marked, first, mean, detail, child, places)
     return end
 
 
-@kernel
+@kernel(allocates=True)
 def _build(grids, keep, levels, root, slice_mean, mean, detail, child, places, first):
     """Write the trees of some slices from node ``first`` on; returns one past the last node."""
     n_slices, channels, side, _ = grids.shape

@@ -14,7 +14,14 @@ from .accel import offset_origin
 from .haar_product import ProductTrees, new_scratch, warp_tree
 from .incremental import RayBatch
 from .lobes import Lobes
-from .paper_products import Products, build_trees, count_nodes, integrate_products, light_weights
+from .paper_products import (
+    Products,
+    build_trees,
+    count_nodes,
+    integrate_products,
+    light_weights,
+    new_integral_scratch,
+)
 from .paper_tables import N_PARTS, PaperTables
 from .shading import ShadingPoints
 from .sphere_map import square_to_hemisphere
@@ -43,21 +50,23 @@ def _sample_point(tables, products, trees, weights, p, x, y):
 
 @kernel
 def _sample_round(
-    tables, products, trees, points, shifts, sequence, offset, active, first, count, rays
+    tables, products, trees, points, shifts, sequence, weights, offset, active, first, count, rays
 ):
-    """Rays that leave the surface; those below it are occluded, which needs no ray."""
+    """Rays that leave the surface; those below it are occluded, which needs no ray.
+
+    weights: float32 (3,), scratch
+    """
     n = 0
-    weights = np.empty(3, np.float32)
     for a in range(len(active)):
         p = active[a]
-        normal = points.geometric_normal[p]
         for k in range(first, first + count):
             x, y = sequence[k, 0] + shifts.x[p], sequence[k, 1] + shifts.y[p]
             x, y = x - np.floor(x), y - np.floor(y)
             dx, dy, dz = _sample_point(tables, products, trees, weights, p, x, y)
-            if normal[0] * dx + normal[1] * dy + normal[2] * dz <= 0.0:
+            normal = points.geometric_normal
+            if normal[p, 0] * dx + normal[p, 1] * dy + normal[p, 2] * dz <= 0.0:
                 continue
-            offset_origin(points.position[p], normal, offset, np.float32(1.0), rays.origins, n)
+            offset_origin(points.position, points.geometric_normal, p, offset, rays.origins, n)
             rays.directions[n, 0], rays.directions[n, 1], rays.directions[n, 2] = dx, dy, dz
             rays.point[n] = p
             for c in range(3):
@@ -96,11 +105,12 @@ class PaperSampler:
             np.zeros((n, 3), np.float32),
             np.zeros((n, 3), np.float32),
         )
-        integrate_products(tables, rows, lobes, self.products)
+        self._weights = np.empty(3, np.float32)
+        integrate_products(tables, rows, lobes, new_integral_scratch(), self.products)
         scratch = new_scratch()
         size = count_nodes(tables, self.products, scratch)
         self._trees = ProductTrees(np.empty((size, 4), np.float32), np.empty((size, 4), np.int32))
-        build_trees(tables, self.products, scratch, self._trees)
+        build_trees(tables, self.products, scratch, self._weights, self._trees)
 
     def lit(self) -> np.ndarray:
         """See incremental.Sampler."""
@@ -119,6 +129,7 @@ class PaperSampler:
             self._points,
             self._shifts,
             self._sequence,
+            self._weights,
             self._offset,
             active,
             first,

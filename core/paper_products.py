@@ -39,6 +39,23 @@ class Products(NamedTuple):
     glossy: np.ndarray
 
 
+class IntegralScratch(NamedTuple):
+    """Room for one point: stack int32 (2, MAX_COMMON); total float32 (N_PARTS, 3); integral (3,)."""
+
+    stack: np.ndarray
+    total: np.ndarray
+    integral: np.ndarray
+
+
+def new_integral_scratch() -> IntegralScratch:
+    """Scratch of integrate_products."""
+    return IntegralScratch(
+        np.empty((2, MAX_COMMON), np.int32),
+        np.empty((N_PARTS, 3), np.float32),
+        np.empty(3, np.float32),
+    )
+
+
 @kernel
 def _part_colors(lobes, p, colors):
     """The colours (N_PARTS, 3) that the slices of point p are weighed with; see Lobes."""
@@ -78,14 +95,14 @@ def _local_wo(frame, wo):
 
 
 @kernel
-def _add_integrals(tables, first, light_slice, wo, weight, stack, total):
+def _add_integrals(tables, first, light_slice, wo, weight, scratch):
     """Add weight x (product integral of each part) for one slice of light, wo interpolated."""
     u, v = _local_wo(tables.frames[light_slice], wo)
     x, y = u * SIDE - 0.5, v * SIDE - 0.5
     column, row = int(np.floor(x)), int(np.floor(y))
     fx, fy = np.float32(x - column), np.float32(y - row)
     one = np.float32(1.0)
-    integral = np.empty(3, np.float32)
+    integral = scratch.integral
     for part in range(N_PARTS):
         if first[part] < 0:
             continue
@@ -97,16 +114,17 @@ def _add_integrals(tables, first, light_slice, wo, weight, stack, total):
                 slice_index += i * SIDE + j
                 share *= (fy if corner >> 1 else one - fy) * (fx if corner & 1 else one - fx)
             integral[:] = 0.0
-            product_integral(tables.light, light_slice, tables.brdf, slice_index, stack, integral)
+            product_integral(
+                tables.light, light_slice, tables.brdf, slice_index, scratch.stack, integral
+            )
             for c in range(3):
-                total[part, c] += share * integral[c]
+                scratch.total[part, c] += share * integral[c]
 
 
 @kernel
-def integrate_products(tables, rows, lobes, products):
+def integrate_products(tables, rows, lobes, scratch, products):
     """Fill everything of ``products`` but the roots."""
-    stack = np.empty((2, MAX_COMMON), np.int32)
-    total = np.empty((N_PARTS, 3), np.float32)
+    total = scratch.total
     one = np.float32(1.0)
     for p in range(len(rows)):
         first = tables.first_slice[rows[p]]
@@ -120,7 +138,7 @@ def integrate_products(tables, rows, lobes, products):
         for corner in range(4):
             share = (fy if corner >> 1 else one - fy) * (fx if corner & 1 else one - fx)
             cell = _cell_of(row + (corner >> 1), column + (corner & 1))
-            _add_integrals(tables, first, cell, wo, share, stack, total)
+            _add_integrals(tables, first, cell, wo, share, scratch)
         nearest = _cell_of(int(np.floor(y + 0.5)), int(np.floor(x + 0.5)))
         products.light_slice[p] = nearest
         u, v = _local_wo(tables.frames[nearest], wo)
@@ -183,8 +201,7 @@ def light_weights(color, weights):
 
 
 @kernel
-def build_trees(tables, products, scratch, trees):
-    weights = np.empty(3, np.float32)
+def build_trees(tables, products, scratch, weights, trees):
     end = 0
     for p in range(len(products.light_slice)):
         for part in range(N_PARTS):

@@ -33,13 +33,13 @@ class LightPyramid(NamedTuple):
     levels: int
 
 
-@kernel
+@kernel(forceinline=True)
 def level_offset(level):
     """Where a level begins in the array of all levels: (4^level - 1) / 3."""
     return ((1 << (2 * level)) - 1) // 3
 
 
-@kernel
+@kernel(forceinline=True)
 def morton_to_row_column(index, level):
     """(row, column) of a cell of a level."""
     row, column = 0, 0
@@ -49,7 +49,7 @@ def morton_to_row_column(index, level):
     return row, column
 
 
-@kernel
+@kernel(forceinline=True)
 def row_column_to_morton(row, column, level):
     """The cell of a level; inverse of morton_to_row_column."""
     index = 0
@@ -59,7 +59,7 @@ def row_column_to_morton(row, column, level):
     return index
 
 
-@kernel
+@kernel(forceinline=True)
 def luminance(r, g, b):
     """Rec.709 luminance, float32."""
     return np.float32(LUMINANCE_R) * r + np.float32(LUMINANCE_G) * g + np.float32(LUMINANCE_B) * b

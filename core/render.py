@@ -232,4 +232,6 @@ def _make_sampler(job: _Job, points: ShadingPoints, lobes: Lobes, rows, tile) ->
     shifts = point_shifts(points, tile, settings.seed, settings.decorrelation)
     if settings.estimator == "PAPER":
         return PaperSampler(points, lobes, rows, job.tables, shifts, job.halton, offset)
-    return UnbiasedSampler(points, lobes, job.light, shifts, job.halton, offset)
+    return UnbiasedSampler(
+        points, lobes, job.light, shifts, job.halton, settings.batch_size, offset
+    )

@@ -17,7 +17,7 @@ from ._jit import kernel
 PI = math.pi
 
 
-@kernel
+@kernel(forceinline=True)
 def square_to_sphere(x, y):
     """The unit direction (dx, dy, dz), float64, of a point of the square."""
     u = 2.0 * x - 1.0
@@ -33,7 +33,7 @@ def square_to_sphere(x, y):
     return math.copysign(math.cos(phi), u) * radius, math.copysign(math.sin(phi), v) * radius, z
 
 
-@kernel
+@kernel(forceinline=True)
 def sphere_to_square(dx, dy, dz):
     """The point (x, y), float64, of a unit direction; inverse of square_to_sphere."""
     r = math.sqrt(max(0.0, 1.0 - abs(dz)))

@@ -24,6 +24,7 @@ from .product import (
     ProductCells,
     build_product,
     choose_level,
+    new_lanes,
     pdf_product,
     product_cells,
     warp_product,
@@ -82,7 +83,7 @@ def point_shifts(points: ShadingPoints, tile, seed: int, decorrelation: str) -> 
     return shifts
 
 
-@kernel
+@kernel(forceinline=True)
 def bsdf_share(lobes, p):
     """beta: the part of the samples of point p that follow the BSDF."""
     if lobes.kind[p] <= DIFFUSE_LOBE:
@@ -102,27 +103,47 @@ def _build_products(lobes, light, trees, levels):
             build_product(lobes, p, level, light.wide, trees[p])
 
 
+@kernel(forceinline=True)
+def _shifted(points, shift, k, axis):
+    x = points[k, axis] + shift
+    return x - np.floor(x)
+
+
 @kernel
-def _sample_direction(lobes, light, tree, level, p, share, x, y):
-    """One direction of point p and the mixture's density: (dx, dy, dz, pdf)."""
+def _fill_lanes(halton, shifts, p, share, first, count, lanes):
+    """Points that follow the BSDF at the end of the lanes, the others at their beginning.
+
+    Sums of light must not depend on the size of a batch, so lanes.order keeps the samples' own
+    order. Returns how many follow the product.
+    """
+    n, m = 0, count
+    for k in range(first, first + count):
+        x, y = _shifted(halton, shifts.x[p], k, 0), _shifted(halton, shifts.y[p], k, 1)
+        if x < share:
+            m -= 1
+            lanes.x[m], lanes.y[m] = x / share, y
+            lanes.order[k - first] = m
+        else:
+            lanes.x[n], lanes.y[n] = (x - share) / (1.0 - share), y
+            lanes.order[k - first] = n
+            n += 1
+    return n
+
+
+@kernel
+def _sample_lobes(lobes, light, trees, level, p, share, lanes, first, last):
+    """Lanes first ... last - 1 follow the BSDF; their pdf is that of the mixture."""
     averages, levels = light.pyramid.averages, light.pyramid.levels
-    from_bsdf = x < share
-    if from_bsdf:
-        wx, wy, wz, _ = sample_brdf(lobes, p, np.float32(x / share), np.float32(y))
+    for s in range(first, last):
+        wx, wy, wz, pdf = sample_brdf(lobes, p, np.float32(lanes.x[s]), np.float32(lanes.y[s]))
         dx, dy, dz = np.float64(wx), np.float64(wy), np.float64(wz)
-        pdf = 0.0
-        if share < 1.0:
-            square_x, square_y = sphere_to_square(dx, dy, dz)
-            pdf = pdf_product(tree, level, averages, levels, square_x, square_y)
-    else:
-        morton = light.narrow.morton if level == NARROW_LEVEL else light.wide.morton
-        x = (x - share) / (1.0 - share)
-        dx, dy, dz, pdf = warp_product(tree, level, morton, averages, levels, x, y)
-    from_lobes = np.float64(pdf_brdf(lobes, p, np.float32(dx), np.float32(dy), np.float32(dz)))
-    return dx, dy, dz, share * from_lobes + (1.0 - share) * pdf
+        square_x, square_y = sphere_to_square(dx, dy, dz)
+        from_product = pdf_product(trees, p, level, averages, levels, square_x, square_y)
+        lanes.dx[s], lanes.dy[s], lanes.dz[s] = dx, dy, dz
+        lanes.pdf[s] = share * np.float64(pdf) + (1.0 - share) * from_product
 
 
-@kernel
+@kernel(forceinline=True)
 def write_ray(points, lobes, lookup, p, dx, dy, dz, pdf, offset, rays, n):
     """Write sample (dx, dy, dz) of point p as ray n if it can carry light; returns the next n."""
     if not pdf > 0.0:
@@ -141,10 +162,10 @@ def write_ray(points, lobes, lookup, p, dx, dy, dz, pdf, offset, rays, n):
     rays.glossy[n, 0] = gr * lr * inverse
     rays.glossy[n, 1] = gg * lg * inverse
     rays.glossy[n, 2] = gb * lb * inverse
-    normal = points.geometric_normal[p]
-    facing = normal[0] * wx + normal[1] * wy + normal[2] * wz
-    sign = np.float32(1.0) if facing >= np.float32(0.0) else np.float32(-1.0)
-    offset_origin(points.position[p], normal, offset, sign, rays.origins, n)
+    normal = points.geometric_normal
+    facing = normal[p, 0] * wx + normal[p, 1] * wy + normal[p, 2] * wz
+    distance = offset if facing >= np.float32(0.0) else -offset
+    offset_origin(points.position, normal, p, distance, rays.origins, n)
     rays.directions[n, 0], rays.directions[n, 1], rays.directions[n, 2] = wx, wy, wz
     rays.point[n] = p
     return n + 1
@@ -152,28 +173,50 @@ def write_ray(points, lobes, lookup, p, dx, dy, dz, pdf, offset, rays, n):
 
 @kernel
 def _sample_round(
-    points, lobes, light, trees, levels, shifts, halton, offset, active, first, count, rays
+    points, lobes, light, trees, levels, shifts, halton, lanes, offset, active, first, count, rays
 ):
     """Fill rays with the next samples of the active points; returns how many carry light."""
     n = 0
     for a in range(len(active)):
         p = active[a]
-        share = bsdf_share(lobes, p)
-        for k in range(first, first + count):
-            x, y = halton[k, 0] + shifts.x[p], halton[k, 1] + shifts.y[p]
-            x, y = x - np.floor(x), y - np.floor(y)
-            dx, dy, dz, pdf = _sample_direction(lobes, light, trees[p], levels[p], p, share, x, y)
+        level, share = levels[p], bsdf_share(lobes, p)
+        morton = light.narrow.morton if level == NARROW_LEVEL else light.wide.morton
+        middle = _fill_lanes(halton, shifts, p, share, first, count, lanes)
+        averages, finest = light.pyramid.averages, light.pyramid.levels
+        warp_product(trees, p, level, morton, averages, finest, lanes, 0, middle)
+        for s in range(middle):
+            wx, wy, wz = np.float32(lanes.dx[s]), np.float32(lanes.dy[s]), np.float32(lanes.dz[s])
+            from_lobes = np.float64(pdf_brdf(lobes, p, wx, wy, wz))
+            lanes.pdf[s] = share * from_lobes + (1.0 - share) * lanes.pdf[s]
+        _sample_lobes(lobes, light, trees, level, p, share, lanes, middle, count)
+        for k in range(count):
+            s = lanes.order[k]
+            dx, dy, dz, pdf = lanes.dx[s], lanes.dy[s], lanes.dz[s], lanes.pdf[s]
             n = write_ray(points, lobes, light.lookup, p, dx, dy, dz, pdf, offset, rays, n)
     return n
 
 
 class UnbiasedSampler:
-    """Product sampling of the points of one tile (incremental.Sampler)."""
+    """Product sampling of the points of one tile (incremental.Sampler).
 
-    def __init__(self, points: ShadingPoints, lobes: Lobes, light: Light, shifts, halton, offset):
+    halton: float64 (count, 2); batch_size: the most samples of a point in one call; offset: metres
+    that a shadow ray starts off its surface
+    """
+
+    def __init__(
+        self,
+        points: ShadingPoints,
+        lobes: Lobes,
+        light: Light,
+        shifts: PointShifts,
+        halton: np.ndarray,
+        batch_size: int,
+        offset: float,
+    ):
         self._points, self._lobes, self._light = points, lobes, light
         self._shifts, self._halton, self._offset = shifts, halton, np.float32(offset)
         n = len(points.pixel)
+        self._lanes = new_lanes(batch_size)
         self._levels = np.empty(n, np.int32)
         glossy = bool((lobes.kind > DIFFUSE_LOBE).any())
         size = level_offset((NARROW_LEVEL if glossy else WIDE_LEVEL) + 1)
@@ -197,6 +240,7 @@ class UnbiasedSampler:
             self._levels,
             self._shifts,
             self._halton,
+            self._lanes,
             self._offset,
             active,
             first,
