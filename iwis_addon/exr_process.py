@@ -50,13 +50,16 @@ def _run_child(arrays, path, letters):
         check=False,
     )
     if child.returncode:
-        lines = child.stderr.strip().splitlines() or [f"exit code {child.returncode}"]
-        raise OSError(f"{path}: cannot be written: {lines[-1]}")
+        lines = child.stderr.strip().splitlines()
+        raise OSError(lines[-1] if lines else f"{path}: cannot be written")
 
 
 def _child(arrays: str, path: str, letters: str) -> None:
     with np.load(arrays) as layers:
-        write_exr(path, dict(layers), json.loads(letters), inside_blender=False)
+        try:
+            write_exr(path, dict(layers), json.loads(letters), inside_blender=False)
+        except (ImportError, OSError) as error:
+            sys.exit(str(error))
 
 
 if __name__ == "__main__":

@@ -20,14 +20,21 @@ _EXCLUDED = {
     "DATA_PT_spot",
     "NODE_DATA_PT_light",
 }
-_EXCLUDED_WORDS = ("freestyle", "lightprobe", "PT_volume", "pointcloud", "speaker", "gpencil")
+_EXCLUDED_WORDS = (
+    "freestyle",
+    "gpencil",
+    "lightprobe",
+    "pointcloud",
+    "PT_volume",
+    "RENDER_PT_simplify",  # stands above Sampling; IWIS has its own
+    "speaker",
+)
 
-# EEVEE's panels that only show the node trees and a film that IWIS has too.
+# EEVEE's panels that only show the node trees, and the passes' parent.
 _SHARED_WITH_EEVEE = {
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
-    "RENDER_PT_opengl_film",
     "VIEWLAYER_PT_layer_passes",
 }
 
@@ -136,13 +143,29 @@ class IWIS_PT_performance(_IWISPanel, bpy.types.Panel):
         layout.operator("iwis.clear_cache")
 
 
+class IWIS_PT_simplify(_IWISPanel, bpy.types.Panel):
+    bl_label = "Simplify"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+    bl_order = 4
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.render, "use_simplify", text="")
+
+    def draw(self, context):
+        layout, render = self.split_layout(), context.scene.render
+        layout.active = render.use_simplify
+        layout.prop(render, "simplify_subdivision_render", text="Max Subdivision")
+        layout.prop(render, "simplify_child_particles_render", text="Max Child Particles")
+
+
 class IWIS_PT_film(_IWISPanel, bpy.types.Panel):
-    bl_label = "IWIS Film"
+    bl_label = "Film"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
     bl_order = 3
 
     def draw(self, context):
         layout = self.split_layout()
+        layout.prop(context.scene.render, "film_transparent", text="Transparent")
         layout.prop(context.scene.iwis, "keep_film")
         layout.operator("iwis.save_film")
 
@@ -181,6 +204,7 @@ CLASSES = (
     IWIS_PT_sampling_advanced,
     IWIS_PT_performance,
     IWIS_PT_film,
+    IWIS_PT_simplify,
     IWIS_PT_passes_data,
     IWIS_PT_passes_light,
     IWIS_PT_passes_iwis,

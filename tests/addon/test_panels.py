@@ -1,15 +1,15 @@
 """What registering adds to Blender's interface, and that unregistering takes it back."""
 
-import re
-from pathlib import Path
+import types
 
 import bpy
 import pytest
 
 import iwis
+from iwis.core.stats import RenderStats
 from iwis.iwis_addon import panels
-
-ROOT = Path(iwis.__file__).parent
+from iwis.iwis_addon.job import RenderJob, RenderRecord
+from iwis.iwis_addon.preferences import IWISPreferences
 
 # Panels without which a user cannot edit what IWIS renders.
 NEEDED = (
@@ -68,20 +68,39 @@ def test_unregister_takes_everything_back():
     assert set(NEEDED) <= compatible()
 
 
-def test_panels_name_operators_that_exist():
-    """A button whose operator is missing prints an error at every draw."""
-    for file in ("panels.py", "preferences.py"):
-        source = (ROOT / "iwis_addon" / file).read_text()
-        for name in re.findall(r'\.operator\("iwis\.(\w+)"', source):
-            assert hasattr(bpy.types, f"IWIS_OT_{name}"), name
+class Layout:
+    """A UILayout that checks what it is given: properties and operators that exist."""
+
+    def __init__(self):
+        self.drawn = []
+
+    def prop(self, owner, name, **_options):
+        assert name in owner.bl_rna.properties, (owner, name)
+        self.drawn.append(name)
+
+    def operator(self, name, **_options):
+        assert hasattr(bpy.types, name.replace("iwis.", "IWIS_OT_")), name
+        self.drawn.append(name)
+
+    def label(self, text, icon="NONE"):
+        self.drawn.append(text)
+
+    def row(self, **_options):
+        return self
+
+    column = row
 
 
-def test_panels_draw_properties_that_exist(scene):
-    """Every flag of the passes panels is a property of its owner."""
-    for row in panels.TABLE:
-        if row.flag:
-            owner = scene.view_layers[0].iwis if row.owned else scene.view_layers[0]
-            assert isinstance(getattr(owner, row.flag), bool)
-    source = (ROOT / "iwis_addon" / "panels.py").read_text()
-    for name in re.findall(r'prop\(iwis, "(\w+)"', source):
-        assert name in scene.iwis.bl_rna.properties
+@pytest.mark.parametrize("cls", [*panels.CLASSES, IWISPreferences], ids=lambda cls: cls.__name__)
+def test_panels_draw_what_exists(scene, cls):
+    """Every property and operator that a panel names is there, and something is drawn."""
+    panel = types.SimpleNamespace(layout=Layout(), group=getattr(cls, "group", ""))
+    panel.split_layout = lambda: panel.layout
+    panel.bl_rna = types.SimpleNamespace(properties={"cache_dir"})
+    if hasattr(cls, "draw_header"):
+        cls.draw_header(panel, bpy.context)
+    RenderJob.get().records.append(
+        RenderRecord(1, "ViewLayer", "", RenderStats(warnings=["Light: ignored"]))
+    )
+    cls.draw(panel, bpy.context)
+    assert panel.layout.drawn
