@@ -14,6 +14,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+import iwis
 from iwis.core.exr import read_exr_layers
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -83,10 +84,17 @@ def main() -> None:
     blends = sorted((ROOT / "sample_blends").glob("*.blend"))
     if not blends:
         sys.exit("sample_blends/ holds no .blend file")
-    for blend in blends:
-        frames = open_blend(blend)
-        for exr in render(blend, folder, [*frames, *arguments]):
-            print(f"{blend.stem}:", *(path.name for path in [exr, *show(exr)]), flush=True)
+    iwis.register()  # or Blender complains that it does not know the files' engine
+    try:
+        for blend in blends:
+            frames = open_blend(blend)
+            for exr in render(blend, folder, [*frames, *arguments]):
+                print(f"{blend.stem}:", *(path.name for path in [exr, *show(exr)]), flush=True)
+    finally:
+        # bpy 4.5 hangs at exit when a scene names a Python engine, or its class is registered.
+        for scene in bpy.data.scenes:
+            scene.render.engine = "CYCLES"
+        iwis.unregister()
     print(f"all in {folder}")
 
 
