@@ -61,8 +61,8 @@ _CACHE_DIR = _writable_cache_dir()
 def kernel(function=None, *, allocates=False, **options):
     """Compile ``function`` with numba: cached by content, without the GIL, NaN-safe fast maths.
 
-    A kernel may make arrays only where ``allocates`` says so: else numba counts no references. The
-    counting is atomic and stands in the innermost loops (a sample took 870 ns with it, 330 without).
+    A kernel may make arrays only where ``allocates`` says so: else numba counts no references,
+    which it does atomically and in the innermost loops (a sample took 870 ns so, 330 without).
     """
     if function is None:
         return lambda wrapped: kernel(wrapped, allocates=allocates, **options)

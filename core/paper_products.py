@@ -40,7 +40,7 @@ class Products(NamedTuple):
 
 
 class IntegralScratch(NamedTuple):
-    """Room for one point: stack int32 (2, MAX_COMMON); total float32 (N_PARTS, 3); integral (3,)."""
+    """Room for a point: stack int32 (2, MAX_COMMON); total float32 (N_PARTS, 3), integral (3,)."""
 
     stack: np.ndarray
     total: np.ndarray

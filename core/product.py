@@ -3,9 +3,9 @@
 [Huang07, section 2] multiplies two Haar series. Here both factors are held by their scaling
 coefficients at one level (32^2 cells for wide BSDFs, 64^2 for narrow ones), where the product of
 the series is the product of the numbers, and the inverse transform is the sum of four children.
-Below it the light goes on down to its last texel (pyramid.LightPyramid). The BSDF is evaluated for the
-point's own normal, wo and parameters, so no table is looked up and nothing is rounded to a grid
-of normals (docs/decisions/0003).
+Below it the light goes on down to its last texel (pyramid.LightPyramid). The BSDF is evaluated for
+the point's own normal, wo and parameters, so no table is looked up and nothing is rounded to a
+grid of normals (docs/decisions/0003-product-without-tables.md).
 
 Cells of a level stand in digit-reversed Morton order: children of cell r of level l are
 r + q 4^l, q = 0 ... 3, of level l + 1, so that sums over children are sums of four long vectors.

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ._jit import kernel
-from .brdf import pdf_brdf, sample_brdf
+from .brdf import lobes_at, pdf_at, sample_at
 from .halton import radical_inverse_2
 from .incremental import RayBatch
 from .lobes import Lobes
@@ -67,19 +67,20 @@ def _sample_round(
     n = 0
     for a in range(len(active)):
         p = active[a]
+        at = lobes_at(lobes, p)
         for k in range(first, first + count):
             x, y = sequence[k, 0] + shifts.x[p], sequence[k, 1] + shifts.y[p]
             x, y = x - np.floor(x), y - np.floor(y)
             if x < share:
-                wx, wy, wz, _ = sample_brdf(lobes, p, np.float32(x / share), np.float32(y))
+                wx, wy, wz, _ = sample_at(at, np.float32(x / share), np.float32(y))
                 dx, dy, dz = np.float64(wx), np.float64(wy), np.float64(wz)
                 from_light = pdf_light(averages, levels, dx, dy, dz)
             else:
                 x = (x - share) / (1.0 - share)
                 dx, dy, dz, from_light = sample_light(averages, levels, x, y)
-            from_bsdf = pdf_brdf(lobes, p, np.float32(dx), np.float32(dy), np.float32(dz))
+            from_bsdf = pdf_at(at, np.float32(dx), np.float32(dy), np.float32(dz))
             pdf = share * np.float64(from_bsdf) + (1.0 - share) * from_light
-            n = write_ray(points, lobes, light.lookup, p, dx, dy, dz, pdf, offset, rays, n)
+            n = write_ray(at, points, light.lookup, p, dx, dy, dz, pdf, offset, rays, n)
     return n
 
 

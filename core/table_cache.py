@@ -40,7 +40,7 @@ def load_table(folder: Path, key: str) -> HaarForest | None:
     """The table of that key, or None where there is none that can be read."""
     path = folder / key
     try:
-        with np.load(path) as stored:
+        with path.open("rb") as file, np.load(file) as stored:  # np.load(path) leaks what is cut
             return HaarForest(*(stored[name] for name in HaarForest._fields))
     except FileNotFoundError:
         return None

@@ -13,7 +13,7 @@ import numpy as np
 
 from ._jit import kernel
 from .accel import offset_origin
-from .brdf import eval_brdf_cos, pdf_brdf, sample_brdf
+from .brdf import eval_at, lobes_at, pdf_at, sample_at
 from .environment import EnvironmentLookup, eval_environment
 from .halton import halton_table, hash_pixel
 from .incremental import RayBatch
@@ -84,11 +84,11 @@ def point_shifts(points: ShadingPoints, tile, seed: int, decorrelation: str) -> 
 
 
 @kernel(forceinline=True)
-def bsdf_share(lobes, p):
-    """beta: the part of the samples of point p that follow the BSDF."""
-    if lobes.kind[p] <= DIFFUSE_LOBE:
+def bsdf_share(kind, alpha):
+    """beta: the part of a point's samples that follow the BSDF (kind, alpha: of its Lobes)."""
+    if kind <= DIFFUSE_LOBE:
         return _DEFENSIVE
-    ratio = np.float64(lobes.alpha[p]) / _CELL_ALPHA
+    ratio = np.float64(alpha) / _CELL_ALPHA
     return _DEFENSIVE + _MIRROR / (1.0 + ratio * ratio)
 
 
@@ -130,12 +130,12 @@ def _fill_lanes(halton, shifts, p, share, first, count, lanes):
     return n
 
 
-@kernel
-def _sample_lobes(lobes, light, trees, level, p, share, lanes, first, last):
+@kernel(forceinline=True)
+def _sample_lobes(at, light, trees, level, p, share, lanes, first, last):
     """Lanes first ... last - 1 follow the BSDF; their pdf is that of the mixture."""
     averages, levels = light.pyramid.averages, light.pyramid.levels
     for s in range(first, last):
-        wx, wy, wz, pdf = sample_brdf(lobes, p, np.float32(lanes.x[s]), np.float32(lanes.y[s]))
+        wx, wy, wz, pdf = sample_at(at, np.float32(lanes.x[s]), np.float32(lanes.y[s]))
         dx, dy, dz = np.float64(wx), np.float64(wy), np.float64(wz)
         square_x, square_y = sphere_to_square(dx, dy, dz)
         from_product = pdf_product(trees, p, level, averages, levels, square_x, square_y)
@@ -144,12 +144,18 @@ def _sample_lobes(lobes, light, trees, level, p, share, lanes, first, last):
 
 
 @kernel(forceinline=True)
-def write_ray(points, lobes, lookup, p, dx, dy, dz, pdf, offset, rays, n):
-    """Write sample (dx, dy, dz) of point p as ray n if it can carry light; returns the next n."""
-    if not pdf > 0.0:
-        return n
+def write_ray(at, points, lookup, p, dx, dy, dz, pdf, offset, rays, n):
+    """Write sample (dx, dy, dz) of point p as ray n if it can carry light; returns the next n.
+
+    What comes from below the face is occluded, whatever the interpolated normal says: so it is in
+    Cycles 5.2, and on coarse smooth meshes it would be 1 to 5 % too bright otherwise.
+    """
     wx, wy, wz = np.float32(dx), np.float32(dy), np.float32(dz)
-    dr, dg, db, gr, gg, gb = eval_brdf_cos(lobes, p, wx, wy, wz)
+    normal = points.geometric_normal
+    above = normal[p, 0] * wx + normal[p, 1] * wy + normal[p, 2] * wz
+    if not pdf > 0.0 or above <= np.float32(0.0):
+        return n
+    dr, dg, db, gr, gg, gb = eval_at(at, wx, wy, wz)
     if dr + dg + db + gr + gg + gb <= np.float32(0.0):
         return n
     lr, lg, lb = eval_environment(lookup, wx, wy, wz)
@@ -162,10 +168,7 @@ def write_ray(points, lobes, lookup, p, dx, dy, dz, pdf, offset, rays, n):
     rays.glossy[n, 0] = gr * lr * inverse
     rays.glossy[n, 1] = gg * lg * inverse
     rays.glossy[n, 2] = gb * lb * inverse
-    normal = points.geometric_normal
-    facing = normal[p, 0] * wx + normal[p, 1] * wy + normal[p, 2] * wz
-    distance = offset if facing >= np.float32(0.0) else -offset
-    offset_origin(points.position, normal, p, distance, rays.origins, n)
+    offset_origin(points.position, normal, p, offset, rays.origins, n)
     rays.directions[n, 0], rays.directions[n, 1], rays.directions[n, 2] = wx, wy, wz
     rays.point[n] = p
     return n + 1
@@ -177,22 +180,23 @@ def _sample_round(
 ):
     """Fill rays with the next samples of the active points; returns how many carry light."""
     n = 0
+    averages, finest = light.pyramid.averages, light.pyramid.levels
     for a in range(len(active)):
         p = active[a]
-        level, share = levels[p], bsdf_share(lobes, p)
+        at = lobes_at(lobes, p)
+        level, share = levels[p], bsdf_share(at.kind, at.alpha)
         morton = light.narrow.morton if level == NARROW_LEVEL else light.wide.morton
         middle = _fill_lanes(halton, shifts, p, share, first, count, lanes)
-        averages, finest = light.pyramid.averages, light.pyramid.levels
         warp_product(trees, p, level, morton, averages, finest, lanes, 0, middle)
         for s in range(middle):
             wx, wy, wz = np.float32(lanes.dx[s]), np.float32(lanes.dy[s]), np.float32(lanes.dz[s])
-            from_lobes = np.float64(pdf_brdf(lobes, p, wx, wy, wz))
+            from_lobes = np.float64(pdf_at(at, wx, wy, wz))
             lanes.pdf[s] = share * from_lobes + (1.0 - share) * lanes.pdf[s]
-        _sample_lobes(lobes, light, trees, level, p, share, lanes, middle, count)
+        _sample_lobes(at, light, trees, level, p, share, lanes, middle, count)
         for k in range(count):
             s = lanes.order[k]
             dx, dy, dz, pdf = lanes.dx[s], lanes.dy[s], lanes.dz[s], lanes.pdf[s]
-            n = write_ray(points, lobes, light.lookup, p, dx, dy, dz, pdf, offset, rays, n)
+            n = write_ray(at, points, light.lookup, p, dx, dy, dz, pdf, offset, rays, n)
     return n
 
 
