@@ -13,6 +13,7 @@ from ..core.settings import RenderSettings
 from . import preferences
 from .cli import CommandError
 from .job import ENGINE, FrameStats, RenderJob, stats_by_frame
+from .output import check_written
 from .settings import apply_settings
 
 
@@ -75,14 +76,33 @@ def _render(scene, options) -> list[FrameStats]:
     frames = stats_by_frame(RenderJob.get().records)
     if not frames:
         raise CommandError(f"{options.file}: nothing was rendered; is a view layer on?")
+    for frame in frames:
+        _check(output_path(options, frame.frame))
     return frames
+
+
+def _check(path: Path) -> None:
+    """Every file of a frame is whole: stereo views put theirs beside the name, as out_L.exr."""
+    written = [path] if path.exists() else list(path.parent.glob(f"{path.stem}*{path.suffix}"))
+    if not written:
+        raise CommandError(f"{path}: was not written")
+    for file in written:
+        try:
+            check_written(file)
+        except OSError as error:
+            raise CommandError(str(error)) from None
+
+
+def output_path(options, frame: int) -> Path:
+    """Where the picture of a frame is."""
+    path = _with_digits(options.output) if options.start is not None else options.output
+    return _numbered(path, frame)
 
 
 def describe(frame: FrameStats, options) -> str:
     """One line that says what was rendered, what it cost and where it is."""
     stats = frame.stats
-    path = _with_digits(options.output) if options.start is not None else options.output
-    path = _numbered(path, frame.frame)
+    path = output_path(options, frame.frame)
     phases = ", ".join(f"{phase} {seconds:.2f} s" for phase, seconds in stats.seconds.items())
     return (
         f"frame {frame.frame}: {stats.width}x{stats.height}, "

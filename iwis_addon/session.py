@@ -11,6 +11,7 @@ from ..core.stats import RenderStats
 from . import dependencies, stereo
 from .export import ExportCancelled, export_scene
 from .job import RenderJob, RenderRecord
+from .output import check_room
 from .passes import add_passes
 from .preferences import share_cache_dir
 from .settings import render_settings
@@ -53,6 +54,7 @@ class FinalRender:
                 return
             camera = stereo.camera_of_view(self.engine, depsgraph.scene_eval, self.scene, view)
             self._render_view(view, dataclasses.replace(self.scene, camera=camera), rows)
+        check_room(depsgraph.scene_eval, sum(len(row.channel_ids) for row in rows))
 
     def _render_view(self, view, scene, rows):
         film = Film(scene.camera.region) if self._keep_film else None

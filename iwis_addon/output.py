@@ -1,0 +1,59 @@
+"""A full disk: Blender writes half a file and calls it a success, so IWIS looks for itself."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import bpy
+
+_PNG_END = b"IEND\xaeB`\x82"
+# Pictures of little content compress to this part of their size; less room than that is none.
+_LEAST_COMPRESSED = 1 / 16
+
+
+def check_room(scene, channels: int) -> None:
+    """Raise OSError where a Blender program is about to save a picture that has no room.
+
+    To be called before Blender saves, which it does by itself in background mode only.
+    channels: of all passes of the view layer
+    """
+    if not bpy.app.background or bpy.app.module:
+        return
+    path = Path(bpy.path.abspath(scene.render.frame_path(frame=scene.frame_current)))
+    folder = next((parent for parent in path.parents if parent.is_dir()), None)
+    if folder is None:  # Blender says so
+        return
+    render = scene.render
+    share = (render.resolution_percentage / 100) ** 2
+    pixels = render.resolution_x * render.resolution_y * share
+    multilayer = render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
+    needed = pixels * (4 * channels if multilayer else 3) * _LEAST_COMPRESSED
+    free = shutil.disk_usage(folder).free
+    if free < needed:
+        raise OSError(
+            f"{folder}: {free} bytes are left on the disk, too few for {path.name}: "
+            "free some space or choose another folder"
+        )
+
+
+def check_written(path: Path) -> None:
+    """Raise OSError where a saved picture is cut short. Reads it back only when room ran out."""
+    if shutil.disk_usage(path.parent).free > path.stat().st_size:
+        return
+    problem = _damage_of(path)
+    if problem:
+        raise OSError(f"{path}: {problem}; the disk is full: free some space, or choose another")
+
+
+def _damage_of(path: Path) -> str:
+    if path.suffix.lower() == ".png":
+        complete = path.read_bytes().endswith(_PNG_END)
+        return "" if complete else "the file is cut short"
+    from ..core.exr import read_exr
+
+    try:
+        read_exr(path)
+    except OSError as error:
+        return str(error).removeprefix(f"{path}: ")
+    return ""
