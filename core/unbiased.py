@@ -34,7 +34,7 @@ from .shading import ShadingPoints
 from .sphere_map import sphere_to_square
 
 # Part of the samples that follow the BSDF: always, and in all for a mirror-like lobe.
-_DEFENSIVE, _MIRROR = 0.05, 0.85
+_DEFENSIVE, _MIRROR = 0.02, 0.88
 # A lobe this narrow spans about one 64^2 cell.
 _CELL_ALPHA = 0.03
 
