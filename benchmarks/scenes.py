@@ -23,7 +23,7 @@ STONE, SOIL, LEAF, STEEL = (0.7, 0.68, 0.63), (0.30, 0.22, 0.14), (0.22, 0.42, 0
 
 def new_scene(hdri: str, turn_deg: float, size: tuple[int, int]):
     """An empty file under one of Blender's HDRIs, turned about z; returns its scene."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.render.resolution_x, scene.render.resolution_y = size
