@@ -62,6 +62,7 @@ class FinalRender:
             self.engine, self.layer, view, rows, scene.camera.region, self.settings, film
         )
         share_cache_dir()
+        self.engine.update_stats("", "Loading; a machine's first render compiles for a minute")
         try:
             stats = run_in_worker(lambda relay: self._render(scene, relay), sink)
         finally:
