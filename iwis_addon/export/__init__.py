@@ -33,7 +33,9 @@ def export_scene(
     """
     camera = export_camera(depsgraph, warnings, region=region)
     geometry = export_mesh(depsgraph, warnings, cache, cancelled)
-    materials, material_pass_index = export_materials(geometry.materials, warnings)
+    materials, material_pass_index = export_materials(
+        geometry.materials, warnings, geometry.material_users
+    )
     environment = export_world(depsgraph, warnings)
     if cancelled():
         raise ExportCancelled

@@ -1,7 +1,7 @@
 """Blender's materials to core.scene.MaterialParams: one row each, the same all over the surface.
 
 A shader that the renderer knows is taken as it is. Another one becomes the nearest that it knows,
-and a warning names the material and the node.
+and a warning names the object, the material and the node.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _AS_GLOSSY = ("ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction")
 
 @dataclass(frozen=True, slots=True)
 class _Surface:
-    """A row of MaterialParams; the defaults are Cycles' surface where no material is."""
+    """A row of MaterialParams."""
 
     model: int = DIFFUSE
     distribution: int = GGX
@@ -58,16 +58,27 @@ class _Surface:
 
 
 _NOTHING = _Surface(model=BLACK)
+# Where there is no material, Cycles shows a new Principled BSDF; before Blender 5 a diffuse grey.
+_NO_MATERIAL = (
+    _Surface(model=PRINCIPLED, distribution=MULTI_GGX) if bpy.app.version >= (5, 0) else _Surface()
+)
 
 
-def export_materials(materials: list, warnings: list[str]) -> tuple[MaterialParams, np.ndarray]:
+def export_materials(
+    materials: list, warnings: list[str], users: list[list[str]] | None = None
+) -> tuple[MaterialParams, np.ndarray]:
     """The table of materials, and the value of the material index pass of each.
 
     materials: bpy materials, evaluated or not; None is a slot left empty
     warnings: gets a line for all that is rendered otherwise than Cycles would
+    users: names of the objects that have each material, for these lines
     Returns MaterialParams with a row a material, in their order, and float32 (n,).
     """
-    surfaces = [_surface_of(material, warnings) for material in materials]
+    users = users or [[]] * len(materials)
+    surfaces = [
+        _surface_of(material, names, warnings)
+        for material, names in zip(materials, users, strict=True)
+    ]
     columns = {}
     for field in MaterialParams._fields:
         values = [getattr(surface, field) for surface in surfaces]
@@ -80,10 +91,10 @@ def export_materials(materials: list, warnings: list[str]) -> tuple[MaterialPara
     return MaterialParams(**columns), np.array(index, np.float32)
 
 
-def _surface_of(material, warnings) -> _Surface:
+def _surface_of(material, users, warnings) -> _Surface:
     if material is None:
-        return _Surface()
-    reader = NodeReader(material.name, warnings)
+        return _NO_MATERIAL
+    reader = NodeReader(material.name, users, warnings)
     # From Blender 5 every material has nodes; asking is deprecated there.
     uses_nodes = bpy.app.version >= (5, 0) or material.use_nodes
     if not uses_nodes or material.node_tree is None:

@@ -21,11 +21,13 @@ class MeshExport(NamedTuple):
     """The geometry of a scene and what its rows mean.
 
     materials: evaluated bpy materials or None, row = TriangleMesh.material_index
+    material_users: names of the objects that have each material in a slot, in their order
     object_pass_index: float32 (n,), row = TriangleMesh.object_index
     """
 
     mesh: TriangleMesh
     materials: list
+    material_users: list[list[str]]
     object_pass_index: np.ndarray
 
 
@@ -91,6 +93,14 @@ def _check_size(inventory: Inventory):
         )
 
 
+def _material_users(inventory: Inventory) -> list[list[str]]:
+    users: list[dict[str, None]] = [{} for _ in inventory.materials]
+    for instance in inventory.instances:
+        for row in instance.slots:
+            users[row][instance.name] = None
+    return list(map(list, users))
+
+
 def _merge(inventory: Inventory, warnings, cancelled) -> TriangleMesh:
     _check_size(inventory)
     mesh, has_area = place_instances(inventory, cancelled)
@@ -110,11 +120,12 @@ def export_mesh(
     inventory = collect_instances(depsgraph, warnings, known, cancelled)
     parts, instances = inventory.parts, inventory.instances
     pass_index = np.array([instance.pass_index for instance in instances], np.float32)
+    rest = inventory.materials, _material_users(inventory), pass_index
     if cache is None:
-        return MeshExport(_merge(inventory, warnings, cancelled), inventory.materials, pass_index)
+        return MeshExport(_merge(inventory, warnings, cancelled), *rest)
     key = [(i.name, parts[i.part].digest, i.object_to_world.tobytes(), i.slots) for i in instances]
     if cache.mesh is None or key != cache.key:
         lines: list[str] = []
         cache.remember(key, parts, _merge(inventory, lines, cancelled), lines)
     warnings.extend(cache.warnings)
-    return MeshExport(cache.mesh, inventory.materials, pass_index)
+    return MeshExport(cache.mesh, *rest)

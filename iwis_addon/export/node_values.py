@@ -75,14 +75,14 @@ def _by_identifier(sockets, identifier):
 class NodeReader:
     """Reads constants from one material's tree, and keeps its warnings."""
 
-    def __init__(self, material_name: str, warnings: list[str]):
-        self._name = material_name
+    def __init__(self, material_name: str, users: list[str], warnings: list[str]):
+        self._where = f'{_objects(users)}material "{material_name}"'
         self._warnings = warnings
 
     def warn(self, node, text: str) -> None:
-        """Add a warning that names the material and the node (None: no node), once."""
+        """Add a warning that names object, material and node (None: no node), once."""
         where = "" if node is None else f', node "{node.name}"'
-        line = f'material "{self._name}"{where}: {text}'
+        line = f"{self._where}{where}: {text}"
         if line not in self._warnings:
             self._warnings.append(line)
 
@@ -130,6 +130,14 @@ class NodeReader:
             "is used all over",
         )
         return value
+
+
+def _objects(users: list[str]) -> str:
+    """The first of the objects that have a material, and how many more there are."""
+    if not users:
+        return ""
+    more = f" and {len(users) - 1} more" if len(users) > 1 else ""
+    return f'object "{users[0]}"{more}, '
 
 
 def _constant(socket, otherwise=None):

@@ -168,3 +168,9 @@ def test_edge_of_a_metal_agrees_with_cycles(scene, tmp_path, monkeypatch):
     """The Metallic BSDF, F82 with a tint."""
     values = {"Edge Tint": (0.5, 0.2, 1.0, 1.0), "Roughness": 0.3}
     _agree(*_compare(scene, tmp_path, monkeypatch, _material("ShaderNodeBsdfMetallic", values)))
+
+
+@pytest.mark.parametrize("gradient", [False, True], ids=["white", "gradient"])
+def test_slot_left_empty_agrees_with_cycles(scene, tmp_path, monkeypatch, gradient):
+    """Without a material: a Principled BSDF from Blender 5 on, a diffuse grey before."""
+    _agree(*_compare(scene, tmp_path, monkeypatch, None, gradient))

@@ -81,11 +81,26 @@ def test_default_cube():
     assert rows[0]["ior"] == about(1.5 if bpy.app.version >= (5, 0) else 1.45)
 
 
-def test_empty_slot_is_cycles_grey(scene):
-    """No material: the diffuse grey that Cycles gives a surface; the index pass is 0."""
+def test_empty_slot_is_cycles_default(build):
+    """No material: from Blender 5 on what a new Principled BSDF is, a diffuse grey before."""
     rows, warnings = exported(None)
-    assert warnings == [] and rows[0]["model"] == DIFFUSE
-    assert rows[0]["base_color"] == about([0.8] * 3)
+    kind = "ShaderNodeBsdfPrincipled" if bpy.app.version >= (5, 0) else "ShaderNodeBsdfDiffuse"
+    row, _ = only(build.surface(build.node(kind)))
+    assert warnings == [] and rows[0] == row
+    assert row["base_color"] == about([0.8] * 3)
+
+
+@pytest.mark.parametrize(
+    ("users", "where"),
+    [([], ""), (["A"], 'object "A", '), (["A", "B", "C"], 'object "A" and 2 more, ')],
+)
+def test_warnings_name_objects(build, users, where):
+    """The first object that has the material, and how many more."""
+    build.surface(build.node("ShaderNodeHoldout", "Hole"))
+    warnings = []
+    export_materials([build.material], warnings, [users])
+    assert len(warnings) == 1
+    assert warnings[0].startswith(f'{where}material "M", node "Hole": ')
 
 
 def test_no_materials(scene):

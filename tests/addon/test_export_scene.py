@@ -36,6 +36,25 @@ def test_scene_defaults_and_region(cube_scene):
     assert scene.camera.region == (2, 3, 10, 11)
 
 
+def test_material_warnings_name_the_objects(cube_scene):
+    """Each object once, though it may be there several times."""
+    plane, cube = bpy.data.objects["Plane"], bpy.data.objects["Cube"]
+    material = bpy.data.materials.new("Skin")
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
+    material.node_tree.nodes["Principled BSDF"].inputs["Subsurface Weight"].default_value = 1.0
+    for obj in (plane, cube):
+        obj.data.materials.append(material)
+    warnings = []
+    export_scene(bpy.context.evaluated_depsgraph_get(), warnings=warnings)
+    assert len(warnings) == 1
+    assert warnings[0].startswith('object "Cube" and 1 more, material "Skin", node "Principled')
+    cube.data.materials.clear()
+    warnings.clear()
+    export_scene(bpy.context.evaluated_depsgraph_get(), warnings=warnings)
+    assert warnings[0].startswith('object "Plane", material "Skin", node "Principled')
+
+
 def test_scene_without_objects_is_exported(scene):
     """A camera alone sees the world."""
     bpy.ops.object.camera_add()
