@@ -153,7 +153,8 @@ def grass_tuft():
         y, z = lean * t**2, height * (t - 0.22 * lean * t**3)
         half = 0.026 * (1 - t**1.5)
         vertices = [(s * w, b, c) for w, b, c in zip(half, y, z, strict=True) for s in (-1, 1)]
-        faces = [(2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2) for k in range(3)]
+        faces = [(0, 1, 3, 2), (2, 3, 5, 4), (4, 5, 6)]
+        vertices.pop()  # both edges end in the tip
         spot = (*rng.normal(0, 0.09, 2), 0.0)
         parts.append(move((vertices, faces), turn_deg=turn, offset=spot))
     vertices, faces = join(*parts)

@@ -114,7 +114,7 @@ def add_spoon(scene, steel):
         for i in range(len(outline) - 1)
         for j in range(4)
     ]
-    part = move((rows, faces), turn_deg=128.0, offset=(0.225, -0.085, 0.001))
+    part = move((rows, faces), turn_deg=9.0, offset=(0.125, -0.135, 0.001))
     spoon = add_mesh(scene, "Spoon", *part, steel)
     solid = spoon.modifiers.new("Solidify", "SOLIDIFY")
     solid.thickness = 0.0014

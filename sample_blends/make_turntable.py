@@ -131,7 +131,7 @@ def main(folder=FOLDER):
     red = glossy("Gilded sun", (0.95, 0.42, 0.10), 0.28)
     add_sphere(scene, brass, blue, red)
     ring = add_mesh(scene, "Horizon", *horizon(), brass, location=CENTER)
-    bevel(ring, 0.0006, segments=2)
+    bevel(ring, 0.0004, segments=2)
     add_mesh(scene, "Stand", *stand(), brass)
     bevel(add_mesh(scene, "Stem", *lathe(STEM, 32), brass), 0.0008, angle_deg=35.0)
     bevel(add_mesh(scene, "Base", *lathe(BASE, 64), walnut), 0.0015, angle_deg=35.0)

