@@ -6,6 +6,7 @@ the distribution of the noise of their mean; so the noise is measured, not assum
 Cycles' narrowest filter is not quite the pixel's centre: its samples lie within .01 px of it, and
 one in 512 anywhere in the pixel (measured; its filter table ends there). So pixels whose centre is
 as near to an edge as that see two surfaces in Cycles and one here; they are left out, and counted.
+The stray samples stay in: they brighten dark pixels beside bright ones, the largest differences.
 """
 
 from __future__ import annotations

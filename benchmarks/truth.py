@@ -41,7 +41,11 @@ class Case(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """What came of a case. edges: pixels left out; worst: the 99.9 % quantile of the difference."""
+    """What came of a case.
+
+    edges: object pixels left out, on an edge; worst: 99.9 % quantile of the difference
+    coverage_differs: pixels, not on edges, that only one of the two finds empty
+    """
 
     agreement: Agreement
     edges: int
