@@ -158,7 +158,9 @@ def sample_points(
     Ends early, with what it has, when ``cancelled`` says so.
     """
     sums = new_sums(n_points)
-    threshold = -1.0 if settings.stop_rule == "FIXED" else settings.error_threshold
+    # e_d is 0 where all samples were seen: E = 0 must not stop there.
+    fixed = settings.stop_rule == "FIXED" or settings.error_threshold == 0.0
+    threshold = -1.0 if fixed else settings.error_threshold
     rays = new_rays(n_points * min(settings.batch_size, settings.max_samples))
     active, traced, taken = np.flatnonzero(sampler.lit()).astype(np.int32), 0, 0
     still = np.empty_like(active)
