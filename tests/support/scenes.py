@@ -218,7 +218,10 @@ def make_scene(parts, materials, world, camera, **fields) -> Scene:
 
 
 def varied_scene(world=None, width=40, height=28, region=None) -> Scene:
-    """A room's worth of trouble: five materials, shadows, a curved and a hidden part, some sky."""
+    """A room's worth of trouble: five materials, shadows, a curved and a hidden part, some sky.
+
+    All lobes have one width: the tables of mode PAPER are three, not five.
+    """
     parts = [
         floor(1.2),
         box((-0.9, -0.5, 0.0), (-0.4, 0.0, 0.7)),
@@ -228,9 +231,9 @@ def varied_scene(world=None, width=40, height=28, region=None) -> Scene:
     ]
     materials = [
         diffuse((0.6, 0.5, 0.4)),
-        glossy(0.2, (0.9, 0.7, 0.5)),
+        glossy(0.4**2, (0.9, 0.7, 0.5)),
         principled(base_color=(0.2, 0.5, 0.8), roughness=0.4),
-        principled(base_color=(0.9, 0.8, 0.3), metallic=1.0, roughness=0.6),
+        principled(base_color=(0.9, 0.8, 0.3), metallic=1.0, roughness=0.4),
         black(emission=(0.5, 0.2, 0.1)),
     ]
     camera = camera_at((1.6, -2.6, 1.7), (0.0, 0.0, 0.3), width, height, 0.55, region)

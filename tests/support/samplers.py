@@ -1,0 +1,52 @@
+"""Samplers of a scene's pixels outside of render(): for tests of estimators and densities."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from iwis.core.accel import Accel
+from iwis.core.camera import camera_rays
+from iwis.core.incremental import RayBatch, new_rays
+from iwis.core.lobes import Lobes, setup_lobes
+from iwis.core.shading import ShadingPoints, params_at, shading_points
+from iwis.core.unbiased import PointShifts
+
+
+class PixelPoints(NamedTuple):
+    """The shading points of a scene's region, as render() would make them for one tile."""
+
+    points: ShadingPoints
+    lobes: Lobes
+    rows: np.ndarray
+    accel: Accel
+
+
+def pixel_points(scene) -> PixelPoints:
+    """Camera rays, first hits, lobes."""
+    x0, y0, x1, y1 = scene.camera.region
+    origins, directions = camera_rays(scene.camera, x0, y0, x1 - x0, y1 - y0)
+    accel = Accel(scene.mesh)
+    hit, u, v = accel.intersect(origins, directions)
+    points = shading_points(scene.mesh, hit, u, v, directions)
+    rows = scene.mesh.material_index[points.triangle]
+    lobes = setup_lobes(
+        params_at(scene.materials, rows), points.normal, points.geometric_normal, points.wo
+    )
+    return PixelPoints(points, lobes, rows, accel)
+
+
+def random_shifts(rng, n) -> PointShifts:
+    """Independent shifts: one replicate a point."""
+    return PointShifts(rng.random(n), rng.random(n))
+
+
+def no_shifts(n) -> PointShifts:
+    """The points as they are."""
+    return PointShifts(np.zeros(n), np.zeros(n))
+
+
+def all_rays(sampler, n_points: int, count: int) -> RayBatch:
+    """The rays of the first ``count`` samples of all points, those that carry light."""
+    rays = new_rays(n_points * count)
+    n = sampler.sample(np.arange(n_points, dtype=np.int32), 0, count, rays)
+    return RayBatch(*(array[:n] for array in rays))
