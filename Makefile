@@ -2,7 +2,7 @@
 #
 #   PYTHON=python3.11   the interpreter: 3.13 (bpy 5.2) or 3.11 (bpy 4.5); else the first one found
 #   VENV=FOLDER         the environment's folder; else .venv-py313 or .venv-py311
-#   ARGS="-k haar -x"   more arguments of pytest, or of python -m iwis render
+#   ARGS="-k haar -x"   more arguments of pytest, of python -m iwis render, or of make bench
 #   PLATFORM=linux-x64 PY=cp314   one zip instead of all
 #   BLENDER=PROGRAM     what make test-blender runs, instead of Debian's Blender
 #   OUT=FOLDER          where make render writes; else out
@@ -18,11 +18,11 @@ OUT ?= out
 # Prints the environment's Python on standard output; quick when all is up to date.
 venv_python = PYTHON="$(PYTHON)" VENV="$(VENV)" scripts/venv.sh
 
-.PHONY: help render test lint zip test-blender venv clean distclean
+.PHONY: help render test bench lint zip test-blender venv clean distclean
 
 help:
 	@sed -n '1,/^$$/s/^# \{0,1\}//p' Makefile
-	@echo "targets: render test lint zip test-blender venv clean distclean"
+	@echo "targets: render test bench lint zip test-blender venv clean distclean"
 
 # Render sample_blends/ through `python -m iwis render`: EXR and PNG in out/.
 render:
@@ -30,6 +30,10 @@ render:
 
 test:
 	@python="$$($(venv_python))" && "$$python" -m pytest $(ARGS)
+
+# Speed beside Cycles on two statues: CPU seconds to an error (benchmarks/README.md), in out/.
+bench:
+	@python="$$($(venv_python))" && "$$python" benchmarks/versus_cycles.py $(ARGS)
 
 lint:
 	@python="$$($(venv_python))" && "$$python" -m ruff check . && "$$python" -m ruff format --check .
