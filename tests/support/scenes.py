@@ -59,12 +59,12 @@ def black(**parameters) -> dict:
 
 def make_materials(*rows: dict) -> MaterialParams:
     """The table of some materials, one row each."""
-    return MaterialParams(
-        **{
-            name: np.array([row[name] for row in rows], np.int8 if name in _INT8 else np.float32)
-            for name in MATERIAL
-        }
-    )
+    columns = {}
+    for name, default in MATERIAL.items():
+        values = [row[name] for row in rows]
+        kind = np.int8 if name in _INT8 else np.float32
+        columns[name] = np.array(values, kind).reshape(len(rows), *np.shape(default))
+    return MaterialParams(**columns)
 
 
 def quad(corner, u, v):
