@@ -18,7 +18,7 @@ from truth import RATIO_LIMIT, SIGNED_LIMIT, Case, judge
 
 from iwis.core.settings import RenderSettings
 
-DETAIL, SIZE = 0.3, (32, 64)  # of the statue: 80 000 triangles
+DETAIL, SIZE = 0.3, (32, 64)  # of the statue: 97 000 triangles
 
 
 def _judge(name, surface, samples):
