@@ -27,7 +27,7 @@ def export_scene(
 ) -> Scene:
     """All that one picture of the graph's scene and view layer needs.
 
-    region: as for export_camera; cache: as for export_mesh
+    region: as for export_camera; cache: as for export_mesh and export_world
     warnings: gets one line for all that is rendered otherwise than Cycles would
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
@@ -36,7 +36,7 @@ def export_scene(
     materials, material_pass_index = export_materials(
         geometry.materials, warnings, geometry.material_users
     )
-    environment = export_world(depsgraph, warnings)
+    environment = export_world(depsgraph, warnings, None if cache is None else cache.texels)
     if cancelled():
         raise ExportCancelled
     scene = depsgraph.scene_eval

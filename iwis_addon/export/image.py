@@ -2,9 +2,9 @@
 
 Blender keeps float images in scene-linear colour already, and byte images as the file has them.
 sRGB and data are decoded here; any other colour space of a byte image is converted by Blender,
-which reads the texels again from a temporary float file. Measured against Cycles 4.5 and 5.2:
-byte images are multiplied by their alpha *before* they are decoded, and texels in sRGB (not those
-of packed or generated float images) are interpolated before they are decoded.
+which reads the texels again from a temporary float file. Measured against Cycles 4.5, 5.0, 5.1 and
+5.2: what is multiplied by its alpha is so *before* it is decoded (data never is), and texels in
+sRGB (not those of packed or generated float images) are interpolated before they are decoded.
 """
 
 from __future__ import annotations
@@ -40,20 +40,47 @@ def read_texels(image, image_user=None) -> Texels:
         return _read_file(path, image.colorspace_settings.name, image.alpha_mode)
     rgba = _pixels(image)
     color, alpha = rgba[..., :3], rgba[..., 3:]
-    space = image.colorspace_settings.name
+    encoded = not image.is_float
+    path = bpy.path.abspath(image.filepath, library=image.library)
     builtin = bool(image.packed_file) or image.source != "FILE"
-    srgb = space == "sRGB" and _working_space() == _WORKING_SPACE_OF_4
-    if image.is_float:
-        return Texels(np.ascontiguousarray(color), srgb and not builtin)
-    if image.alpha_mode in ("STRAIGHT", "PREMUL") and alpha.min() < 1.0:
-        # Cycles multiplies bytes and drops the fraction.
-        color = np.floor(np.rint(color * 255.0) * np.rint(alpha * 255.0) / 255.0) / 255.0
+    space = image.colorspace_settings
+    if image.alpha_mode in ("STRAIGHT", "PREMUL") and not space.is_data and alpha.min() < 1.0:
+        if not builtin and os.path.exists(path):
+            # Blender has multiplied by alpha, or divided: begin with the file's own numbers.
+            color, encoded = _load(path, "Non-Color", "CHANNEL_PACKED", _color), True
+        if _multiplied_by_alpha(image, builtin):
+            color = _multiplied(color, alpha, image.is_float)
     color = np.ascontiguousarray(color, np.float32)
-    if image.colorspace_settings.is_data or space in (_working_space(), "scene_linear"):
+    srgb = space.name == "sRGB" and working_space() == _WORKING_SPACE_OF_4
+    if not encoded:
+        return Texels(color, srgb and not builtin)
+    if space.is_data or space.name in (working_space(), "scene_linear"):
         return Texels(color, False)
     if srgb:
-        return Texels(_srgb_decode(color), True)
-    return Texels(_convert(color, space), False)
+        return Texels(_srgb_decode(color) if image.is_float else _srgb_decode_bytes(color), True)
+    return Texels(_convert(color, space.name), False)
+
+
+def _multiplied_by_alpha(image, builtin) -> bool:
+    """Whether Cycles of the running Blender multiplies the texels by their alpha once more.
+
+    From 5.1 on what is Straight. Before, all bytes, and floats of files that keep alpha straight.
+    """
+    if bpy.app.version >= (5, 1):
+        return image.alpha_mode == "STRAIGHT"
+    straight = image.file_format not in ("OPEN_EXR", "OPEN_EXR_MULTILAYER", "TIFF")
+    return not image.is_float or (straight and not builtin)
+
+
+def _multiplied(color, alpha, is_float):
+    if is_float:
+        return color * alpha
+    # Cycles multiplies bytes and drops the fraction.
+    return np.floor(np.rint(color * 255.0) * np.rint(alpha * 255.0) / 255.0) / 255.0
+
+
+def _color(image) -> np.ndarray:
+    return np.ascontiguousarray(_pixels(image)[..., :3])
 
 
 def _pixels(image) -> np.ndarray:
@@ -91,26 +118,36 @@ def _read_file(path, space, alpha_mode) -> Texels:
     """The texels of a file that has no data-block of its own, such as a frame of a sequence."""
     if not os.path.exists(path):
         raise ImageError(f"there is no file {path}: check the sequence's first frame and its path")
+    return _load(path, space, alpha_mode, read_texels)
+
+
+def _load(path, space, alpha_mode, read):
+    """read(image) of a data-block that is there only for this."""
     image = bpy.data.images.load(path)
     try:
         image.colorspace_settings.name = space
         image.alpha_mode = alpha_mode
-        return read_texels(image)
+        return read(image)
     finally:
         bpy.data.images.remove(image)
 
 
-def _working_space() -> str:
+def working_space() -> str:
     """Blender 5 lets a file choose its scene-linear space; it was Linear Rec.709 before."""
     settings = getattr(bpy.data, "colorspace", None)
     return getattr(settings, "working_space", _WORKING_SPACE_OF_4)
 
 
 def _srgb_decode(encoded: np.ndarray) -> np.ndarray:
-    """Linear float32 of the 256 levels of sRGB."""
-    levels = np.arange(256) / 255.0
-    curve = np.where(levels <= 0.04045, levels / 12.92, ((levels + 0.055) / 1.055) ** 2.4)
-    return curve.astype(np.float32)[np.rint(encoded * 255.0).astype(np.uint8)]
+    """Linear float32 of sRGB."""
+    curve = ((np.maximum(encoded, 0.0) + 0.055) / 1.055) ** 2.4
+    return np.where(encoded <= 0.04045, encoded / 12.92, curve).astype(np.float32)
+
+
+def _srgb_decode_bytes(encoded: np.ndarray) -> np.ndarray:
+    """The same of the 256 levels of a byte, by a table."""
+    levels = _srgb_decode(np.arange(256) / 255.0)
+    return levels[np.rint(encoded * 255.0).astype(np.uint8)]
 
 
 def _convert(color: np.ndarray, space: str) -> np.ndarray:
@@ -128,10 +165,4 @@ def _convert(color: np.ndarray, space: str) -> np.ndarray:
             image.save()
         finally:
             bpy.data.images.remove(image)
-        image = bpy.data.images.load(path)
-        try:
-            image.alpha_mode = "CHANNEL_PACKED"
-            image.colorspace_settings.name = space
-            return np.ascontiguousarray(_pixels(image)[..., :3])
-        finally:
-            bpy.data.images.remove(image)
+        return _load(path, space, "CHANNEL_PACKED", _color)

@@ -12,6 +12,7 @@ from .errors import ExportError
 from .instances import Inventory, collect_instances
 from .local_mesh import LocalMesh
 from .placement import place_instances, usable_vertices
+from .texel_cache import TexelCache
 
 # The corners of all triangles, three each, are counted in int32.
 MOST_TRIANGLES = (1 << 31) // 3
@@ -32,7 +33,7 @@ class MeshExport(NamedTuple):
 
 
 class ExportCache:
-    """Geometry of the last frame, so that the next one copies only what has changed.
+    """Geometry and texels of the last frame, so that the next one copies only what has changed.
 
     Every frame of a background render comes with a new dependency graph, which says nothing of the
     last one: so meshes are compared by their content (a hash of all arrays), instances by their
@@ -45,6 +46,7 @@ class ExportCache:
         self.key = None
         self.mesh: TriangleMesh | None = None
         self.warnings: list[str] = []
+        self.texels = TexelCache()
 
     def remember(self, key, parts, mesh, warnings):
         self.parts = {part.digest: part for part in parts}

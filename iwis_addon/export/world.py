@@ -19,8 +19,10 @@ from ...core.scene import (
     EnvironmentMap,
 )
 from .color_nodes import evaluate_color_node, luminance
-from .image import ImageError, read_texels
+from .image import ImageError
 from .node_values import End, follow
+from .radiance import mend_radiance
+from .texel_cache import TexelCache
 from .world_mapping import lookup_matrix
 
 # Constants are float32 as well: a float64 beside an 8k map would double its memory.
@@ -34,15 +36,20 @@ _SKY_MEAN = {
     "SINGLE_SCATTERING": (2.1, 2.1, 2.0),
     "MULTIPLE_SCATTERING": (1.9, 2.5, 3.5),
 }
-_LARGEST = 65504.0  # of a half float: for infinity in a map that has nothing finite
 _EMITTERS = ("ShaderNodeBackground", "ShaderNodeEmission")
 
 
-def export_world(depsgraph_or_scene, warnings: list[str]) -> EnvironmentMap:
+def export_world(
+    depsgraph_or_scene, warnings: list[str], cache: TexelCache | None = None
+) -> EnvironmentMap:
     """The world's light. Never fails: what cannot be read gets Cycles' colour and a warning.
 
     warnings: gets one line for each thing that is not as in Cycles
+    cache: the same object for every frame of an animation; while the texels stay the same,
+        EnvironmentMap.radiance is the same array
     """
+    cache = cache or TexelCache()
+    cache.start_frame()
     scene = getattr(depsgraph_or_scene, "scene_eval", depsgraph_or_scene)
     world = scene.world
     if world is None:
@@ -53,16 +60,17 @@ def export_world(depsgraph_or_scene, warnings: list[str]) -> EnvironmentMap:
     # Blender 5 always uses nodes and warns who asks.
     if world.node_tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):
         return _uniform(np.array(world.color, np.float32), world.name, _visible_to_camera(world))
-    return _WorldReader(world, scene.camera, warnings).read()
+    return _WorldReader(world, scene.camera, warnings, cache).read()
 
 
 class _WorldReader:
     """Walks one world's nodes; keeps the image it has found and what it had to leave out."""
 
-    def __init__(self, world, camera, warnings):
+    def __init__(self, world, camera, warnings, cache):
         self._world = world
         self._camera = camera
         self._warnings = warnings
+        self._cache = cache
         self._image: End | None = None  # the output socket of the Environment Texture in use
         self._rgb = None
         self._srgb = False
@@ -97,12 +105,12 @@ class _WorldReader:
             self.warn(None, f"strength {strength[0]:g} is not a finite number >= 0: 0 is used")
             strength = _BLACK
         if radiance.ndim == 1:
-            return _uniform(self._sane(radiance) * strength, name, visible)
+            return _uniform(self._mended(radiance) * strength, name, visible)
         node, groups = self._image.node, self._image.groups
         matrix = lookup_matrix(node, groups, self._constant, self._camera, self.warn)
         mirror_ball = node.projection == "MIRROR_BALL"
         return EnvironmentMap(
-            radiance=self._sane(radiance),
+            radiance=self._mended(radiance),
             world_to_map=np.ascontiguousarray(matrix, np.float32),
             projection=MIRROR_BALL if mirror_ball else EQUIRECTANGULAR,
             interpolation=self._interpolation(node),
@@ -118,31 +126,15 @@ class _WorldReader:
             self.warn(node, f"{node.interpolation} interpolation is not supported: Linear is used")
         return LINEAR_SRGB if self._srgb else LINEAR
 
-    def _sane(self, radiance):
-        """float32 radiance, finite and >= 0; counts what it had to change."""
-        radiance = np.ascontiguousarray(radiance, np.float32)
-        if radiance.min() >= 0.0 and radiance.max() < np.inf:
-            return radiance
-        nan, infinite = np.isnan(radiance), np.isposinf(radiance)
-        with np.errstate(invalid="ignore"):
-            negative = radiance < 0.0
-        largest = np.max(radiance, where=np.isfinite(radiance) & ~negative, initial=0.0)
-        largest = largest if largest > 0.0 else _LARGEST
-        of_what = "the colour" if self._image is None else f'"{self._image.node.image.name}"'
-        for mask, what, now in (
-            (nan, "NaN", 0.0),
-            (negative, "negative", 0.0),
-            (infinite, "infinite", largest),
-        ):
-            if mask.any():
-                texels = f"{int(mask.any(axis=-1).sum())} of {radiance[..., 0].size} texels"
-                self.warn(
-                    self._image and self._image.node,
-                    f"{texels} of {of_what} are {what}: {now:g} instead",
-                )
-        return np.where(
-            infinite, np.float32(largest), np.where(nan | negative, 0, radiance)
-        ).astype(np.float32)
+    def _mended(self, radiance):
+        """Radiance that can be rendered, float32; what had to be changed becomes a warning."""
+        radiance, notes = self._cache.mended(radiance, mend_radiance)
+        for note in notes:
+            if self._image is None:
+                self.warn(None, f"its colour: {note}")
+            else:
+                self.warn(self._image.node, f'image "{self._image.node.image.name}": {note}')
+        return radiance
 
     def _shader(self, end):
         """Radiance of a shader or colour, float (3,) or (h, w, 3)."""
@@ -239,7 +231,7 @@ class _WorldReader:
                 self.warn(
                     node, f'image "{image.name}" is a {image.source.lower()}: one part is used'
                 )
-            return read_texels(image, node.image_user)
+            return self._cache.read(image, node.image_user)
         except ImageError as error:
             self.warn(node, f"{error}. Pink instead, as in Cycles")
             return _MISSING.reshape(1, 1, 3), False

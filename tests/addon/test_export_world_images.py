@@ -78,16 +78,36 @@ def test_colour_spaces(scene, tree, texels, tmp_path, space, slope, is_float):
     assert_as_cycles(scene, tmp_path, max(1.0, min(slope, 3.0)) * RELATIVE, half)
 
 
-@pytest.mark.parametrize("alpha_mode", ["STRAIGHT", "CHANNEL_PACKED", "NONE"])
+@pytest.mark.parametrize("alpha_mode", ["STRAIGHT", "PREMUL", "CHANNEL_PACKED", "NONE"])
+@pytest.mark.parametrize("space", ["sRGB", "Linear Rec.709", "Non-Color"])
 @pytest.mark.parametrize("packed", [False, True], ids=["file", "packed"])
-def test_alpha_of_byte_images(scene, tree, texels, tmp_path, rng, alpha_mode, packed):
-    image = save_image(texels, tmp_path / "a.png", "PNG", alpha=rng.uniform(0.5, 1, (8, 16)))
-    image.alpha_mode = alpha_mode
+@pytest.mark.parametrize(
+    ("name", "file_format", "depth"),
+    [
+        ("a8.png", "PNG", "8"),
+        ("a16.png", "PNG", "16"),
+        ("a.exr", "OPEN_EXR", "32"),
+        ("a8.tif", "TIFF", "8"),
+        ("a16.tif", "TIFF", "16"),
+    ],
+)
+def test_alpha(
+    scene, tree, texels, tmp_path, rng, name, file_format, depth, packed, space, alpha_mode
+):
+    """Of files whose alpha is straight or not, by their nature and by what the user says."""
+    alpha = rng.uniform(0.7, 1.0, (8, 16)).astype(np.float32)
+    # Bytes of a straight file are divided by alpha: they must not exceed 1.
+    image = save_image(0.7 * texels, tmp_path / name, file_format, depth, alpha)
+    image.colorspace_settings.name, image.alpha_mode = space, alpha_mode
     if packed:
         image.pack()
     textured_world(tree, image)
-    # Multiplied bytes are whole numbers again, in Cycles' file reader rounded another way: 1/128.
-    assert_as_cycles(scene, tmp_path, 2.4 * RELATIVE, 2.4 * 2**-7)
+    # Multiplied bytes are whole numbers again, in Cycles' file reader rounded another way: 1/64 of
+    # the smallest, .25 (sRGB: of a slope of 2.4).
+    slope = 2.4 if space == "sRGB" else 1.0
+    assert_as_cycles(
+        scene, tmp_path, slope * 2.0 * RELATIVE, slope * 2**-6 if depth == "8" else 0.0
+    )
 
 
 def test_image_sequence_frame(scene, tree, texels, tmp_path):
@@ -139,7 +159,34 @@ def test_bad_radiance_is_counted_and_mended(tree, texels):
     assert radiance[0, 0].max() == radiance[3, 3].max() == radiance[1, 1, 0] == 0.0
     assert radiance[2, 2, 1] == 7.0
     np.testing.assert_array_equal(radiance[5:], texels[5:])
-    expected = ("1 of 128 texels of", "NaN"), ("2 of", "negative"), ("1 of", "infinite: 7 instead")
+    expected = (
+        ("1 of 128 texels", "are NaN"),
+        ("2 of", "are negative"),
+        ("1 of", "are infinite: 7 instead"),
+    )
     assert len(warnings) == 3
     for text, words in zip(warnings, expected, strict=True):
         assert '"World"' in text and '"map"' in text and all(word in text for word in words)
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.5e-3, False), (2e-3, True)])
+def test_negative_texels_are_told_where_they_count(tree, texels, share, told, caplog):
+    """Filters leave a few in good maps: below 0.1 % of the light they are for the log only."""
+    texels[2, 3] = 0.0
+    texels[2, 3, 1] = -share * texels.sum()
+    textured_world(tree, new_image(texels))
+    with caplog.at_level("DEBUG", logger="iwis"):
+        environment, warnings = exported()
+    assert environment.radiance[2, 3].max() == environment.radiance.min() == 0.0
+    assert len(warnings) == told
+    assert "1 of 128 texels are negative" in (warnings[0] if told else caplog.text)
+
+
+def test_map_of_nothing_good(tree, texels):
+    """Black, or where infinity is all there is as bright as a half float can be; no crash."""
+    for value, mended in ((np.nan, 0.0), (-1.0, 0.0), (np.inf, 65504.0)):
+        textured_world(tree, new_image(np.full_like(texels, value)))
+        environment, warnings = exported()
+        assert (environment.radiance == mended).all()
+        assert len(warnings) == 1 and "128 of 128 texels" in warnings[0]
+        tree.nodes.clear()
