@@ -170,7 +170,6 @@ def test_the_sinks_error_ends_the_render():
         def write_tile(self, tile):
             raise OSError("no room")
 
-    before = threading.active_count()
     scene = varied_scene()
     with pytest.raises(OSError, match="no room"):
         render(
