@@ -134,10 +134,12 @@ def add_mesh(scene, name, part, surface, *, smooth=False):
     mesh.validate()
     (mesh.shade_smooth if smooth else mesh.shade_flat)()
     mesh.materials.append(surface)
-    return _link(scene, bpy.data.objects.new(name, mesh))
+    shape = bpy.data.objects.new(name, mesh)
+    shape.shadow_terminator_geometry_offset = 0.0
+    scene.collection.objects.link(shape)
 
 
-def add_monkey(scene, surface, location, size, levels: int, turn_deg=(0.0, 0.0, 0.0)):
+def add_monkey(surface, location, size, levels: int, turn_deg=(0.0, 0.0, 0.0)):
     """Suzanne, smooth, subdivided when it is rendered."""
     bpy.ops.mesh.primitive_monkey_add(
         size=2.0 * size, location=location, rotation=[math.radians(a) for a in turn_deg]
@@ -149,12 +151,6 @@ def add_monkey(scene, surface, location, size, levels: int, turn_deg=(0.0, 0.0, 
     monkey.data.materials.append(surface)
     monkey.shadow_terminator_geometry_offset = 0.0
     return monkey
-
-
-def _link(scene, shape):
-    shape.shadow_terminator_geometry_offset = 0.0
-    scene.collection.objects.link(shape)
-    return shape
 
 
 def box(low, high):
@@ -196,13 +192,13 @@ def statue(make_surface, *, detail: float = 1.0, size=(200, 400)):
     levels = 4 if detail >= 1.0 else 2
     rows, columns = round(420 * detail), round(520 * detail)
     add_mesh(scene, "robe", robe(rows, columns), surface, smooth=True)
-    add_monkey(scene, surface, (0.0, -0.12, 3.62), 0.8, levels, (-8.0, 0.0, 0.0))
+    add_monkey(surface, (0.0, -0.12, 3.62), 0.8, levels, (-8.0, 0.0, 0.0))
     for x, y, z, turn in (
         (-0.72, -0.74, 1.42, 28.0),
         (0.72, -0.74, 1.42, -28.0),
         (0, -0.98, 1.2, 0),
     ):
-        add_monkey(scene, surface, (x, y, z), 0.36, max(levels - 1, 1), (-12.0, 0.0, turn))
+        add_monkey(surface, (x, y, z), 0.36, max(levels - 1, 1), (-12.0, 0.0, turn))
     rings = ((1.30, 34, 0.045), (1.02, 26, 0.05), (0.7, 16, 0.06))
     pillars = colonnade(rings, round(24 * detail) + 6, round(36 * detail) + 4)
     add_mesh(scene, "pillars", pillars, surface, smooth=True)
@@ -268,8 +264,8 @@ def interior(*, size=(256, 192)):
     legs = [box((x, y, 0.0), (x + 0.08, y + 0.08, 0.8)) for x in (-0.7, 0.9) for y in (0.2, 1.7)]
     table = joined([box((-0.8, 0.1, 0.8), (1.1, 1.9, 0.86)), *legs])
     add_mesh(scene, "table", table, principled((0.35, 0.2, 0.1), 0.35))
-    add_monkey(scene, principled(STEEL, 0.3, 1.0), (0.2, 1.0, 1.22), 0.42, 3, (-15, 0, 40))
-    add_monkey(scene, diffuse(STONE), (-1.6, 2.6, 0.6), 0.7, 3, (-20, 0, 20))
+    add_monkey(principled(STEEL, 0.3, 1.0), (0.2, 1.0, 1.22), 0.42, 3, (-15, 0, 40))
+    add_monkey(diffuse(STONE), (-1.6, 2.6, 0.6), 0.7, 3, (-20, 0, 20))
     add_camera(scene, (-1.4, -3.4, 1.7), (0.4, 1.2, 1.0), 62.0)
     return scene
 
