@@ -122,7 +122,11 @@ def integrate_diffuse(light, albedo, normal, side=500):
 
 
 def integrate_glossy(light, color, alpha, normal, wo, side=700):
-    """float64 (3,): reflected radiance of a Glossy (GGX, F = 1) surface with colour ``color``."""
+    """float64 (3,): reflected radiance of a Glossy (GGX, F = 1) surface with colour ``color``.
+
+    Steps are fine where the lobe is high: for light that is only bright in its tails, use
+    integrate_texel.
+    """
     frame = frame_of(normal)
     local_wo = frame @ wo
     h = ggx_grid(side, alpha)
@@ -134,6 +138,33 @@ def integrate_glossy(light, color, alpha, normal, wo, side=700):
     # brdf cos_i d wi = D G2 / (4 cos_o) 4 (wo . h) d h, and d h has density D cos_h.
     weight = wo_h / (local_wo[2] * h[:, 2] * hidden)
     return color * (light(wi @ frame) * weight[:, None]).sum(0) / side**2
+
+
+def ggx_brdf_cos(wi, color, alpha, normal, wo):
+    """float64 (n, 3): the Glossy BRDF (GGX, F = 1) times the cosine of wi (n, 3)."""
+    cos_o, cos_i = wo @ normal, wi @ normal
+    half = wi + wo
+    half /= np.linalg.norm(half, axis=-1, keepdims=True)
+    cos_h = half @ normal
+    d = alpha**2 / (math.pi * (cos_h**2 * (alpha**2 - 1.0) + 1.0) ** 2)
+    up = np.maximum(cos_i, 1e-9)
+    g = 1.0 / (1.0 + ggx_lambda(alpha, cos_o) + ggx_lambda(alpha, up))
+    return np.where(cos_i > 0.0, d * g / (4.0 * cos_o), 0.0)[:, None] * color
+
+
+def texel_directions(height, row, column, side=600):
+    """What one texel lights, through the bilinear filter: (directions (n, 3), weights (n,)).
+
+    weights: share of the texel's radiance that arrives from there, times steradians
+    """
+    step = (np.arange(side) + 0.5) / side * 2.0 - 1.0
+    a, b = (x.ravel() for x in np.meshgrid(step, step, indexing="ij"))
+    latitude = ((row + 0.5 + a) / height - 0.5) * math.pi
+    longitude = (0.5 - (column + 0.5 + b) / (2 * height)) * 2.0 * math.pi
+    ring = np.cos(latitude)
+    directions = [ring * np.cos(longitude), ring * np.sin(longitude), np.sin(latitude)]
+    area = (2.0 / side * math.pi / height) ** 2
+    return np.stack(directions, -1), (1.0 - np.abs(a)) * (1.0 - np.abs(b)) * ring * area
 
 
 def forest_grid(forest, s: int, channel: int, side: int) -> np.ndarray:
