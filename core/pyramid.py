@@ -101,9 +101,13 @@ def _sum_up(averages, levels):
 
 
 def levels_for(height: int, width: int) -> int:
-    """The level whose cells are no larger than the map's texels at the equator, within bounds."""
-    texels_on_sphere = 2.0 * width * height / np.pi * (np.pi / 2.0)
-    levels = int(np.ceil(0.5 * np.log2(max(texels_on_sphere, 1.0))))
+    """The finest level for a map: cells of a fraction of a texel, a texel for large maps.
+
+    Light varies inside a texel (bilinear filter) and the density inside a cell does not: with cells
+    of .8 of a texel in width, weights vary by 57 % on the paper's 256x128 probe, with .2 by 21 %.
+    """
+    base = int(np.ceil(0.5 * np.log2(width * height)))  # a cell for each texel at the equator
+    levels = max(base, min(base + 1, 11), min(base + 2, 10))
     return int(np.clip(levels, MIN_LEVELS, MAX_LEVELS))
 
 

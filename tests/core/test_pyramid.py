@@ -120,10 +120,10 @@ def test_threads_do_not_change_it():
 
 
 def test_levels_follow_the_maps_size():
-    """At least as many cells as texels, within bounds."""
-    for height in (1, 2, 64, 100, 512, 1024):
-        levels = levels_for(height, 2 * height)
-        assert levels == MIN_LEVELS or 2 * height * height <= 4**levels < 8 * height * height
+    """At least as many cells as texels; 16 cells a texel up to 4^10 of them, 4 up to 4^11."""
+    for height, finest in ((64, 9), (128, 10), (256, 10), (512, 11), (1024, 11), (2048, 12)):
+        assert levels_for(height, 2 * height) == finest
+        assert 4**finest >= 2 * height * height
     assert levels_for(1, 1) == MIN_LEVELS and levels_for(16384, 32768) == MAX_LEVELS
 
 
@@ -136,4 +136,4 @@ def test_a_cancelled_build_ends_early():
         return True
 
     build_pyramid(make_lookup(gradient_world(256)), 1, cancelled)
-    assert len(asked) == 16  # 4^9 cells in chunks of 4^7
+    assert len(asked) == 64  # 4^10 cells in chunks of 4^7
