@@ -92,7 +92,7 @@ def test_rays_leave_the_surface_with_light():
         pixels.accel.offset,
     )
     lit = sampler.lit()
-    rays = all_rays(sampler, n, 16)
+    rays = all_rays(sampler, np.arange(n), 16)
     normal = pixels.points.geometric_normal[rays.point]
     assert ((rays.directions * normal).sum(-1) > 0.0).all()
     height = ((rays.origins - pixels.points.position[rays.point]) * normal).sum(-1)

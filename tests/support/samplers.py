@@ -45,8 +45,8 @@ def no_shifts(n) -> PointShifts:
     return PointShifts(np.zeros(n), np.zeros(n))
 
 
-def all_rays(sampler, n_points: int, count: int) -> RayBatch:
-    """The rays of the first ``count`` samples of all points, those that carry light."""
-    rays = new_rays(n_points * count)
-    n = sampler.sample(np.arange(n_points, dtype=np.int32), 0, count, rays)
+def all_rays(sampler, active: np.ndarray, count: int) -> RayBatch:
+    """The rays of the first ``count`` samples of the points ``active``, those that carry light."""
+    rays = new_rays(len(active) * count)
+    n = sampler.sample(active.astype(np.int32), 0, count, rays)
     return RayBatch(*(array[:n] for array in rays))

@@ -1,0 +1,75 @@
+"""core/_jit.py: kernels are honest about NaN, and their cache about what it was made from."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from iwis.core import _jit
+
+_SAYS_FOLDER = "from iwis.core import _jit; print(_jit._CACHE_DIR)"
+
+
+@_jit.kernel
+def _classify(values, out):
+    """out: 1 where NaN, 2 where infinite, 3 where 0 is divided by; written."""
+    for k in range(len(values)):
+        out[k] = 1.0 if np.isnan(values[k]) else 2.0 if np.isinf(values[k]) else 0.0
+        if values[k] == np.float32(0.0):
+            out[k] = 3.0 if np.isinf(np.float32(1.0) / values[k]) else 4.0
+
+
+def _cache_dir_of(**environment) -> str:
+    """The folder that another process would keep its machine code in."""
+    script = [sys.executable, "-c", _SAYS_FOLDER]
+    child = subprocess.run(
+        script,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    return child.stdout.strip()
+
+
+def test_fast_maths_keeps_nan_and_infinity():
+    """isnan, isinf and division by zero mean what they say."""
+    out = np.zeros(4, np.float32)
+    _classify(np.float32([np.nan, np.inf, 0.0, 1.0]), out)
+    assert out.tolist() == [1.0, 2.0, 3.0, 0.0]
+
+
+def test_cache_folder_is_chosen_by_the_environment(tmp_path):
+    """IWIS_CACHE_DIR, for farms; it holds all that can be made again."""
+    assert Path(_cache_dir_of(IWIS_CACHE_DIR=str(tmp_path))).parent == tmp_path / "numba"
+
+
+def test_bounds_checked_code_is_kept_apart(tmp_path):
+    """NUMBA_BOUNDSCHECK is in the folder's name: cached code without checks is not reused."""
+    folder = {"IWIS_CACHE_DIR": str(tmp_path)}
+    checked = _cache_dir_of(**folder, NUMBA_BOUNDSCHECK="1")
+    assert checked != _cache_dir_of(**folder, NUMBA_BOUNDSCHECK="0")
+
+
+def test_unwritable_cache_folder_falls_back_to_a_temporary_one(tmp_path):
+    """A full or read-only disk costs the time to compile, not the render."""
+    blocked = tmp_path / "cache"
+    blocked.write_text("a file")
+    chosen = Path(_cache_dir_of(IWIS_CACHE_DIR=str(blocked), TMPDIR=str(tmp_path)))
+    assert chosen.parent == tmp_path and chosen.is_dir()
+
+
+def test_user_cache_follows_the_platform(monkeypatch, tmp_path):
+    """XDG on Linux when nothing else is said."""
+    monkeypatch.delenv("IWIS_CACHE_DIR", raising=False)
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert _jit.user_cache_dir() == tmp_path / "iwis"
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "local"))
+    assert _jit.user_cache_dir() == tmp_path / "local" / "iwis"
+    monkeypatch.setattr(sys, "platform", "darwin")
+    assert _jit.user_cache_dir() == Path.home() / "Library" / "Caches" / "iwis"
