@@ -178,7 +178,7 @@ def test_a_black_world_is_black_and_costs_nothing(estimator, table_dir):
     """No light: no sample, no ray, and emission is still seen."""
     scene = make_scene(
         [floor(), sphere(radius=0.3)],
-        [principled(), black(emission=(1.0, 2.0, 3.0))],
+        [principled(roughness=0.4), black(emission=(1.0, 2.0, 3.0))],
         constant_world((0.0, 0.0, 0.0)),
         camera_above(),
     )
@@ -210,7 +210,7 @@ def test_bad_triangles_and_normals_leave_no_nan(estimator, table_dir):
     point = np.full((3, 3), 2.0), one, up
     scene = make_scene(
         [(vertices, triangles, broken), (*turned[:2], -turned[2]), nan, point],
-        [principled(), principled(metallic=1.0), diffuse(), diffuse()],
+        [principled(roughness=0.4), principled(roughness=0.4, metallic=1.0), *[diffuse()] * 2],
         gradient_world(),
         camera_above(),
     )
