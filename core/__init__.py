@@ -4,7 +4,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
 
     _jit, settings                                   0  how kernels are compiled; all defaults
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
-    microfacet, exr
+    microfacet, terminator, exr
     camera, accel, albedo_tables, haar_forest,       2  rays, Embree, sparse Haar series
     environment, shading, watch
     lobes, pyramid, haar_product, table_cache        3  materials at a point; light; products

@@ -10,6 +10,7 @@ from embreex.rtcore_scene import EmbreeScene
 
 from ._jit import kernel
 from .scene import TriangleMesh
+from .terminator import lift_share
 
 MISS = -1
 
@@ -60,7 +61,24 @@ def ray_offset(vertices: np.ndarray) -> float:
 
 
 @kernel(forceinline=True)
-def offset_origin(positions, normals, p, distance, out, k):
-    """Write to out[k] the position p moved by ``distance`` along normal p."""
+def start_shadow_ray(points, p, wx, wy, wz, lifted, offset, out, k):
+    """Write to out[k] where a ray from shading point p to direction (wx, wy, wz) starts.
+
+    points: ShadingPoints; offset: metres; lifted: from the smooth patch (terminator.py), not from
+    the face. Returns False, and writes nothing, where it is the face and the direction is below
+    it: what comes from there is occluded, whatever the interpolated normal says
+    (docs/decisions/0005-light-from-below-the-face.md).
+    """
+    face, normal, position = points.geometric_normal, points.normal, points.position
+    above = face[p, 0] * wx + face[p, 1] * wy + face[p, 2] * wz
+    if lifted:
+        cosine = normal[p, 0] * wx + normal[p, 1] * wy + normal[p, 2] * wz
+        share = lift_share(above, cosine, points.lift_below[p])
+        for a in range(3):
+            out[k, a] = position[p, a] + offset * face[p, a] + share * points.lift[p, a]
+        return True
+    if above <= np.float32(0.0):
+        return False
     for a in range(3):
-        out[k, a] = positions[p, a] + distance * normals[p, a]
+        out[k, a] = position[p, a] + offset * face[p, a]
+    return True

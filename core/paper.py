@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .accel import offset_origin
+from .accel import start_shadow_ray
 from .haar_product import ProductTrees, new_scratch, warp_tree
 from .incremental import RayBatch
 from .lobes import Lobes
@@ -63,11 +63,10 @@ def _sample_round(
             x, y = sequence[k, 0] + shifts.x[p], sequence[k, 1] + shifts.y[p]
             x, y = x - np.floor(x), y - np.floor(y)
             dx, dy, dz = _sample_point(tables, products, trees, weights, p, x, y)
-            normal = points.geometric_normal
-            if normal[p, 0] * dx + normal[p, 1] * dy + normal[p, 2] * dz <= 0.0:
+            wx, wy, wz = np.float32(dx), np.float32(dy), np.float32(dz)
+            if not start_shadow_ray(points, p, wx, wy, wz, False, offset, rays.origins, n):
                 continue
-            offset_origin(points.position, points.geometric_normal, p, offset, rays.origins, n)
-            rays.directions[n, 0], rays.directions[n, 1], rays.directions[n, 2] = dx, dy, dz
+            rays.directions[n, 0], rays.directions[n, 1], rays.directions[n, 2] = wx, wy, wz
             rays.point[n] = p
             for c in range(3):
                 rays.diffuse[n, c] = products.diffuse[p, c]

@@ -17,7 +17,7 @@ import numpy as np
 
 from ._jit import kernel
 from .environment import EnvironmentLookup, eval_environment
-from .sphere_map import square_to_sphere
+from .sphere_map import sphere_to_square, square_to_sphere
 
 LUMINANCE_R, LUMINANCE_G, LUMINANCE_B = 0.2126, 0.7152, 0.0722  # Rec.709
 MIN_LEVELS, MAX_LEVELS = 7, 12  # 128^2 ... 4096^2 cells
@@ -63,6 +63,17 @@ def row_column_to_morton(row, column, level):
 def luminance(r, g, b):
     """Rec.709 luminance, float32."""
     return np.float32(LUMINANCE_R) * r + np.float32(LUMINANCE_G) * g + np.float32(LUMINANCE_B) * b
+
+
+@kernel
+def pdf_light(averages, levels, dx, dy, dz):
+    """The density, sr^-1, of directions chosen in proportion to the light alone."""
+    side = 1 << levels
+    x, y = sphere_to_square(dx, dy, dz)
+    column, row = min(int(x * side), side - 1), min(int(y * side), side - 1)
+    cell = row_column_to_morton(row, column, levels)
+    light = np.float64(averages[level_offset(levels) + cell])
+    return light / (4.0 * np.pi * np.float64(averages[0]))
 
 
 @kernel

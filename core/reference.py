@@ -17,10 +17,10 @@ from .incremental import RayBatch
 from .lobes import Lobes
 from .paper import PaperSampler
 from .product import descend
-from .pyramid import level_offset, morton_to_row_column, row_column_to_morton
+from .pyramid import level_offset, morton_to_row_column, pdf_light
 from .shading import ShadingPoints
-from .sphere_map import sphere_to_square, square_to_sphere
-from .unbiased import Light, write_ray
+from .sphere_map import square_to_sphere
+from .unbiased import Light, sample_number, write_ray
 
 # Part of the samples that follow the BSDF.
 LIGHT_SAMPLING, BSDF_SAMPLING, MIS_SAMPLING = 0.0, 1.0, 0.5
@@ -49,17 +49,6 @@ def sample_light(averages, levels, x, y):
 
 
 @kernel
-def pdf_light(averages, levels, dx, dy, dz):
-    """The density, sr^-1, of sample_light."""
-    side = 1 << levels
-    x, y = sphere_to_square(dx, dy, dz)
-    column, row = min(int(x * side), side - 1), min(int(y * side), side - 1)
-    cell = row_column_to_morton(row, column, levels)
-    light = np.float64(averages[level_offset(levels) + cell])
-    return light / (4.0 * math.pi * np.float64(averages[0]))
-
-
-@kernel
 def _sample_round(
     points, lobes, light, share, shifts, sequence, offset, active, first, count, rays
 ):
@@ -80,7 +69,8 @@ def _sample_round(
                 dx, dy, dz, from_light = sample_light(averages, levels, x, y)
             from_bsdf = pdf_at(at, np.float32(dx), np.float32(dy), np.float32(dz))
             pdf = share * np.float64(from_bsdf) + (1.0 - share) * from_light
-            n = write_ray(at, points, light.lookup, p, dx, dy, dz, pdf, offset, rays, n)
+            u = sample_number(shifts, p, k)
+            n = write_ray(at, points, light, p, dx, dy, dz, pdf, u, offset, rays, n)
     return n
 
 

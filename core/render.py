@@ -211,7 +211,7 @@ def _render_tile(job: _Job, rect) -> tuple[Tile, _TileCounts]:
     scene, accel = job.scene, job.accel
     origins, directions = camera_rays(scene.camera, x, y, width, height)
     hit, u, v = accel.intersect(origins, directions)
-    points = shading_points(scene.mesh, hit, u, v, directions)
+    points = shading_points(scene.mesh, hit, u, v, directions, scene.terminator_offset)
     near_enough = planar_depth(scene.camera, points.position) <= scene.camera.clip_end
     if not near_enough.all():
         points = ShadingPoints(*(np.ascontiguousarray(column[near_enough]) for column in points))

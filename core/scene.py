@@ -136,6 +136,8 @@ class Scene:
     """All that one picture needs.
 
     material_pass_index, object_pass_index: float32 (n,), values of the index passes
+    terminator_offset: float32 (n_objects,), Blender's shadow terminator geometry offset: shadow
+        rays of a smaller cosine start above coarse smooth faces; None = 0 for all
     transparent_film: alpha 0 where the camera sees the world
     exposure: factor of the film
     """
@@ -146,6 +148,7 @@ class Scene:
     camera: Camera
     material_pass_index: np.ndarray
     object_pass_index: np.ndarray
+    terminator_offset: np.ndarray | None = None
     transparent_film: bool = False
     exposure: float = 1.0
 

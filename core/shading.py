@@ -8,6 +8,7 @@ import numpy as np
 
 from ._jit import kernel
 from .scene import MaterialParams, TriangleMesh
+from .terminator import patch_height
 
 
 class ShadingPoints(NamedTuple):
@@ -18,6 +19,8 @@ class ShadingPoints(NamedTuple):
     position: float32 (n, 3); wo: float32 (n, 3), unit, towards the camera
     geometric_normal, normal: float32 (n, 3), unit; of the face and interpolated, both on the side
         that the camera sees
+    lift: float32 (n, 3), metres, from the face to the smooth patch over it; lift_below: float32
+        (n,), the cosine below which a shadow ray gets part of it, 0 = none (terminator.py)
     """
 
     pixel: np.ndarray
@@ -26,10 +29,13 @@ class ShadingPoints(NamedTuple):
     wo: np.ndarray
     geometric_normal: np.ndarray
     normal: np.ndarray
+    lift: np.ndarray
+    lift_below: np.ndarray
 
 
 @kernel
 def _interpolate(vertices, triangles, corner_normals, hit, u, v, directions, points):
+    """Fill all but pixel and lift_below."""
     for k in range(len(points.pixel)):
         pixel = points.pixel[k]
         triangle = hit[pixel]
@@ -63,22 +69,34 @@ def _interpolate(vertices, triangles, corner_normals, hit, u, v, directions, poi
         points.geometric_normal[k, 0] = side * gx
         points.geometric_normal[k, 1] = side * gy
         points.geometric_normal[k, 2] = side * gz
+        height = patch_height(
+            vertices, i0, i1, i2, corner_normals, triangle, bu, bv, points.position, k, side
+        )
         scale = side / np.sqrt(length)
         for a in range(3):
+            points.lift[k, a] = side * height * points.normal[k, a]
             points.normal[k, a] = (
                 points.normal[k, a] * scale if length > 0.0 else points.geometric_normal[k, a]
             )
-        points.triangle[k] = triangle
 
 
-def shading_points(mesh: TriangleMesh, hit, u, v, directions) -> ShadingPoints:
-    """The points of those rays that hit: hit int32 (n,), u, v float32 (n,), directions (n, 3)."""
+def shading_points(
+    mesh: TriangleMesh, hit, u, v, directions, terminator_offset: np.ndarray | None = None
+) -> ShadingPoints:
+    """The points of those rays that hit.
+
+    hit: int32 (n,); u, v: float32 (n,); directions: float32 (n, 3)
+    terminator_offset: float32, one an object (Scene.terminator_offset); None: 0 for all
+    """
     pixel = np.flatnonzero(hit >= 0).astype(np.int32)
     n = len(pixel)
-    points = ShadingPoints(
-        pixel, np.empty(n, np.int32), *(np.empty((n, 3), np.float32) for _ in range(4))
-    )
+    vectors = (np.empty((n, 3), np.float32) for _ in range(5))
+    points = ShadingPoints(pixel, hit[pixel], *vectors, np.zeros(n, np.float32))
     _interpolate(mesh.vertices, mesh.triangles, mesh.corner_normals, hit, u, v, directions, points)
+    if terminator_offset is not None:
+        # A flat face has no patch over it.
+        lifted = points.lift.any(axis=1)
+        points.lift_below[:] = lifted * terminator_offset[mesh.object_index[points.triangle]]
     return points
 
 

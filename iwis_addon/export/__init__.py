@@ -47,6 +47,7 @@ def export_scene(
         camera=camera,
         material_pass_index=material_pass_index,
         object_pass_index=geometry.object_pass_index,
+        terminator_offset=geometry.terminator_offset,
         transparent_film=scene.render.film_transparent,
         # The film exposure belongs to Cycles' settings, there as long as its add-on is enabled.
         exposure=scene.cycles.film_exposure if hasattr(scene, "cycles") else 1.0,

@@ -29,6 +29,7 @@ class Instance(NamedTuple):
 
     part: row of Inventory.parts; object_to_world: float64 (4, 4)
     slots: rows of Inventory.materials, one a material slot, at least one
+    terminator_offset: the object's shadow terminator geometry offset, a cosine
     """
 
     name: str
@@ -36,6 +37,7 @@ class Instance(NamedTuple):
     object_to_world: np.ndarray
     slots: tuple[int, ...]
     pass_index: int
+    terminator_offset: float
 
 
 class Inventory(NamedTuple):
@@ -137,7 +139,16 @@ class _Collector:
             self.ignored.add("Not rendered, the object's transform is not finite", obj.name)
             return
         slots = self._slots(obj, data_rows)
-        self.inventory.instances.append(Instance(obj.name, part, matrix, slots, obj.pass_index))
+        self.inventory.instances.append(
+            Instance(
+                obj.name,
+                part,
+                matrix,
+                slots,
+                obj.pass_index,
+                obj.shadow_terminator_geometry_offset,
+            )
+        )
 
     def add(self, item):
         """Take one of depsgraph.object_instances."""

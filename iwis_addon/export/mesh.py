@@ -23,13 +23,14 @@ class MeshExport(NamedTuple):
 
     materials: evaluated bpy materials or None, row = TriangleMesh.material_index
     material_users: names of the objects that have each material in a slot, in their order
-    object_pass_index: float32 (n,), row = TriangleMesh.object_index
+    object_pass_index, terminator_offset: float32 (n,), row = TriangleMesh.object_index
     """
 
     mesh: TriangleMesh
     materials: list
     material_users: list[list[str]]
     object_pass_index: np.ndarray
+    terminator_offset: np.ndarray
 
 
 class ExportCache:
@@ -122,7 +123,8 @@ def export_mesh(
     inventory = collect_instances(depsgraph, warnings, known, cancelled)
     parts, instances = inventory.parts, inventory.instances
     pass_index = np.array([instance.pass_index for instance in instances], np.float32)
-    rest = inventory.materials, _material_users(inventory), pass_index
+    lift = np.array([instance.terminator_offset for instance in instances], np.float32)
+    rest = inventory.materials, _material_users(inventory), pass_index, lift
     if cache is None:
         return MeshExport(_merge(inventory, warnings, cancelled), *rest)
     key = [(i.name, parts[i.part].digest, i.object_to_world.tobytes(), i.slots) for i in instances]

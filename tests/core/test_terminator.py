@@ -1,0 +1,57 @@
+"""core/terminator.py: where grazing shadow rays of coarse smooth faces start."""
+
+import numpy as np
+import pytest
+
+from iwis.core.shading import shading_points
+from iwis.core.terminator import lift_share
+from support.scenes import make_mesh, sphere
+
+
+def _centre_points(smooth, looking, offset=0.1):
+    """Centres of the upper faces of a unit sphere of 12 rings, seen from above or inside."""
+    mesh = make_mesh(sphere(rings=12, smooth=smooth))
+    upper = mesh.vertices[mesh.triangles][:, :, 2].min(1) > 0.1
+    hit = np.flatnonzero(upper).astype(np.int32)
+    third = np.full(len(hit), 1.0 / 3.0, np.float32)
+    directions = np.tile(np.float32([0.0, 0.0, looking]), (len(hit), 1))
+    return shading_points(mesh, hit, third, third, directions, np.float32([offset]))
+
+
+def test_a_smooth_ball_is_lifted_towards_its_sphere():
+    """At least half of the way from facet to sphere: half the parabola is the least height."""
+    points = _centre_points(smooth=True, looking=-1.0)
+    gap = 1.0 - np.linalg.norm(points.position, axis=1)
+    height = np.einsum("ij,ij->i", points.lift, points.normal)
+    assert gap.min() > 5e-3
+    assert (height > 0.45 * gap).all()  # the patch is a parabola, the gap that of a circle
+    assert (points.lift_below == np.float32(0.1)).all()
+
+
+def test_inside_a_ball_the_lift_is_inwards():
+    """Both sides of a face are lifted to the side that the camera sees."""
+    points = _centre_points(smooth=True, looking=1.0)
+    assert (np.einsum("ij,ij->i", points.lift, points.geometric_normal) >= 0.0).all()
+
+
+def test_flat_faces_are_not_lifted():
+    """Their normals do not bend; what is left is the rounding of a unit sphere in float32."""
+    points = _centre_points(smooth=False, looking=-1.0)
+    np.testing.assert_allclose(points.lift, 0.0, atol=1e-6)
+
+
+def test_an_offset_of_zero_lifts_nothing():
+    """Nor does a mesh without offsets."""
+    assert not _centre_points(smooth=True, looking=-1.0, offset=0.0).lift_below.any()
+
+
+def test_the_share_is_one_at_the_horizon_and_fades_out():
+    """All of it at cosine 0, none from the offset on; twice as far where both cosines are small."""
+    share = [
+        float(lift_share(np.float32(c), np.float32(0.5), np.float32(0.1))) for c in (0, 0.05, 0.1)
+    ]
+    assert share == pytest.approx([1.0, 0.5, 0.0], abs=1e-6)
+    both = [
+        float(lift_share(np.float32(c), np.float32(c), np.float32(0.1))) for c in (0.0, 0.05, 0.075)
+    ]
+    assert both == pytest.approx([1.0, 1.0, 0.5], abs=1e-6)
