@@ -6,7 +6,7 @@ four curves of the Fresnel factor (tables.CURVES) of its microfacet lobe.
 
 from __future__ import annotations
 
-import logging
+import time
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -28,8 +28,6 @@ from .tables import (
     build_lobe_table,
     light_frames,
 )
-
-log = logging.getLogger(__name__)
 
 N_PARTS = 5  # Lambert, then the curves of tables.CURVES
 
@@ -61,13 +59,15 @@ class _LobeKey:
 class TableBuilder:
     """Makes the tables of a scene: out of memory, from disk, or anew.
 
-    warnings: texts about tables that could not be kept, filled by ``tables``
+    warnings: texts about tables that could not be kept; notes: what was built, its size and time.
+        Both are of the last call of ``tables``
     """
 
     def __init__(self):
         self._forests: dict[str, HaarForest] = {}
         self._joined: tuple[tuple, HaarForest] | None = None
         self.warnings: list[str] = []
+        self.notes: list[str] = []
 
     def tables(
         self,
@@ -78,7 +78,7 @@ class TableBuilder:
         progress=lambda fraction, text: None,
     ) -> PaperTables:
         """All that PaperSampler needs; progress(fraction, text) is told of tables being built."""
-        self.warnings = []
+        self.warnings, self.notes = [], []
         fraction, folder = settings.coefficients, table_folder(settings.cache_dir)
         key = table_key("light", *lookup, fraction)
         light = self._forest(
@@ -118,8 +118,10 @@ class TableBuilder:
         if key not in self._forests:
             forest = load_table(folder, key)
             if forest is None:
+                begin = time.perf_counter()
                 forest = build(lambda fraction: progress(fraction, f"Building {text}"))
-                log.info("%s: %.1f MB", text, forest.nbytes / 1e6)
+                seconds = time.perf_counter() - begin
+                self.notes.append(f"{text}: {forest.nbytes / 1e6:.1f} MB, built in {seconds:.1f} s")
                 warning = save_table(folder, key, forest)
                 if warning and warning not in self.warnings:
                     self.warnings.append(warning)

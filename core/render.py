@@ -120,8 +120,9 @@ def _prepare_light(scene, settings, sink, cache, stop, stats) -> tuple[Light, Pa
             if stop.is_set():
                 raise Cancelled
 
-        tables, warnings = cache.tables(scene, light, settings, threads, step)
+        tables, warnings, notes = cache.tables(scene, light, settings, threads, step)
         stats.warnings.extend(warnings)
+        stats.tables.extend(notes)
         return light, tables
 
     return watched(work, sink, stop, "tables") or (None, None)

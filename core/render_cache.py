@@ -40,10 +40,10 @@ class RenderCache:
 
     def tables(
         self, scene: Scene, light: Light, settings: RenderSettings, threads: int, progress
-    ) -> tuple[PaperTables, list[str]]:
-        """The paper's tables of a scene, and warnings about those that could not be kept."""
+    ) -> tuple[PaperTables, list[str], list[str]]:
+        """The paper's tables of a scene, warnings about them, and notes on those built anew."""
         tables = self._builder.tables(light.lookup, scene.materials, settings, threads, progress)
-        return tables, self._builder.warnings
+        return tables, self._builder.warnings, self._builder.notes
 
 
 def _same_light(a: EnvironmentMap, b: EnvironmentMap | None) -> bool:

@@ -14,6 +14,7 @@ PHASES = ("export", "tables", "bvh", "sampling", "output")
 class RenderStats:
     """Filled in by whoever does a phase; read by the command line, the panel and benchmarks.
 
+    tables: what wavelet tables were built, with size and time; none where all were kept
     seconds, cpu_seconds: phase -> wall and user + system time of the process
     """
 
@@ -27,6 +28,7 @@ class RenderStats:
     triangles: int = 0
     cancelled: bool = False
     warnings: list[str] = field(default_factory=list)
+    tables: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PHASES, 0.0))
     cpu_seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PHASES, 0.0))
 
@@ -64,6 +66,7 @@ class RenderStats:
             "peak_memory_bytes": peak_memory_bytes(),
             "cancelled": self.cancelled,
             "warnings": list(self.warnings),
+            "tables": list(self.tables),
         }
 
 

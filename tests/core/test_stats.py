@@ -56,6 +56,7 @@ def test_to_dict_is_json_with_the_documented_keys():
         "peak_memory_bytes",
         "cancelled",
         "warnings",
+        "tables",
     }
     assert set(stats["samples"]) == {"total", "mean", "max"}
     assert set(stats["seconds"]) == set(stats["cpu_seconds"]) == set(PHASES)
