@@ -7,12 +7,15 @@ compiled anew.
 """
 
 import hashlib
+import logging
 import os
 import sys
 import tempfile
 from pathlib import Path
 
 import numba
+
+log = logging.getLogger(__name__)
 
 # Relaxed arithmetic that keeps NaN and infinity honest: "nnan" and "ninf" are left out, for
 # isfinite() must stay true to its name.
@@ -49,10 +52,26 @@ def _writable_cache_dir() -> str:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except OSError:
-        folder = Path(tempfile.gettempdir()) / f"iwis-numba-{_code_key()}"
-        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        unwritable, folder = folder, _private_temporary_dir()
+        log.warning(
+            "IWIS: cache folder %s cannot be written (%s): compiled kernels are kept in %s. Choose "
+            "another cache folder",
+            unwritable,
+            error.strerror,
+            folder,
+        )
     return str(folder)
+
+
+def _private_temporary_dir() -> Path:
+    """The same in each run; never one that another user made, who could put code into it."""
+    user = os.getuid() if hasattr(os, "getuid") else 0
+    folder = Path(tempfile.gettempdir()) / f"iwis-numba-{user}-{_code_key()}"
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    if hasattr(os, "getuid") and folder.stat().st_uid != user:
+        return Path(tempfile.mkdtemp(prefix="iwis-numba-"))
+    return folder
 
 
 _CACHE_DIR = _writable_cache_dir()

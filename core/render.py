@@ -86,13 +86,15 @@ def render(
 
 
 def worker_count(settings: RenderSettings) -> int:
-    """Threads to use: the setting, or as many as this process may run on."""
-    if settings.threads:
-        return settings.threads
+    """Threads to use: as many as this process may run on, or the setting if it is sensible.
+
+    1024 threads on two cores take six times as long as two: they wait for Python's lock.
+    """
     try:
-        return len(os.sched_getaffinity(0))
+        cores = len(os.sched_getaffinity(0))
     except AttributeError:  # not on Linux
-        return os.cpu_count() or 1
+        cores = os.cpu_count() or 1
+    return min(settings.threads, 4 * cores) if settings.threads else cores
 
 
 def prepare_tables(

@@ -42,7 +42,7 @@ class RenderSettings:
     decorrelation: PIXEL (Halton points shifted by a hash of pixel and seed) or NONE, as printed in
         the paper
     seed: changes every shift
-    threads: worker threads, 0 = as many as cores
+    threads: worker threads, 0 = as many as cores; never more than four a core
     tile_px: side of a tile in pixels; pictures do not depend on it
     cache_dir: folder of the tables; empty = the user's cache folder
     """

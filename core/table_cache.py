@@ -42,7 +42,7 @@ def load_table(folder: Path, key: str) -> HaarForest | None:
     try:
         with path.open("rb") as file, np.load(file) as stored:  # np.load(path) leaks what is cut
             return HaarForest(*(stored[name] for name in HaarForest._fields))
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         log.warning("table %s cannot be read and is built again: %s", path, error)

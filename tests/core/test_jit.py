@@ -73,3 +73,20 @@ def test_user_cache_follows_the_platform(monkeypatch, tmp_path):
     assert _jit.user_cache_dir() == tmp_path / "local" / "iwis"
     monkeypatch.setattr(sys, "platform", "darwin")
     assert _jit.user_cache_dir() == Path.home() / "Library" / "Caches" / "iwis"
+
+
+def test_unwritable_cache_folder_is_told_and_replaced(monkeypatch, tmp_path, caplog):
+    """A folder of one's own among the temporary ones; never another user's."""
+    blocked = tmp_path / "file"
+    blocked.touch()
+    monkeypatch.setenv("IWIS_CACHE_DIR", str(blocked))
+    monkeypatch.setattr(_jit.tempfile, "tempdir", str(tmp_path))
+    folder = Path(_jit._writable_cache_dir())
+    assert folder.parent == tmp_path and folder.is_dir()
+    assert len(caplog.messages) == 1
+    assert str(blocked) in caplog.text and str(folder) in caplog.text
+    assert _jit._writable_cache_dir() == str(folder)
+    real = _jit.os.getuid()
+    monkeypatch.setattr(_jit.os, "getuid", lambda: real + 1)
+    another = Path(_jit._writable_cache_dir())
+    assert another.is_dir() and "iwis-numba-" in another.name and str(real + 1) not in another.name

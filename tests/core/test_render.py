@@ -167,7 +167,9 @@ def test_tile_rects_cover_the_region_once():
 def test_worker_count_is_the_setting_or_the_cores():
     """0 means all that this process may use."""
     assert worker_count(RenderSettings(threads=3)) == 3
-    assert worker_count(RenderSettings(threads=0)) >= 1
+    cores = worker_count(RenderSettings(threads=0))
+    assert cores >= 1
+    assert worker_count(RenderSettings(threads=1024)) == min(4 * cores, 1024)
 
 
 def test_statistics_count_what_was_done(table_dir):
