@@ -38,6 +38,15 @@ def read_texels(image, image_user=None) -> Texels:
     if image.source == "SEQUENCE" and image_user is not None and not image.packed_files:
         path = bpy.path.abspath(image.filepath_from_user(image_user=image_user))
         return _read_file(path, image.colorspace_settings.name, image.alpha_mode)
+    loaded = image.has_data
+    try:
+        return _texels_of(image)
+    finally:
+        if bpy.app.background and not loaded:  # nobody else needs it: 2 GB of 16384 x 8192 texels
+            image.buffers_free()
+
+
+def _texels_of(image) -> Texels:
     rgba = _pixels(image)
     color, alpha = rgba[..., :3], rgba[..., 3:]
     encoded = not image.is_float
@@ -109,6 +118,8 @@ def _what_is_wrong(image) -> str:
         return "is empty and has no file: choose a file, or give it a size"
     if not os.path.exists(path):
         return f"has no file at {path}: find it by File > External Data > Find Missing Files"
+    if os.path.isdir(path):
+        return f"is a folder, {path}: choose a file in it"
     if os.path.getsize(path) == 0:
         return f"is an empty file, {path}: copy it again"
     return f"cannot be read from {path}: the file is damaged or of an unknown kind, replace it"

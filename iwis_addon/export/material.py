@@ -108,7 +108,19 @@ def _surface_of(material, users, warnings) -> _Surface:
             reader.warn(output, f"{name} is not supported and left out")
     if follow(output.inputs["Surface"]).node is None:
         reader.warn(output, "nothing is linked to Surface: black, as in Cycles")
-    return _ShaderReader(reader).behind(output.inputs["Surface"], ())
+    return _finite(_ShaderReader(reader).behind(output.inputs["Surface"], ()), reader)
+
+
+def _finite(surface: _Surface, reader) -> _Surface:
+    """The surface with 0 for what is no number, as in Cycles."""
+    mended = {}
+    for field in dataclasses.fields(surface):
+        value = np.array(getattr(surface, field.name), np.float32)
+        if not np.isfinite(value).all():
+            mended[field.name] = np.nan_to_num(value, nan=0.0, posinf=0.0, neginf=0.0).tolist()
+            what = field.name.replace("_", " ")
+            reader.warn(None, f"{what} is {value}, not finite: {mended[field.name]} instead")
+    return dataclasses.replace(surface, **mended)
 
 
 def _scaled(color, factor):

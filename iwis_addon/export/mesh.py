@@ -16,6 +16,8 @@ from .texel_cache import TexelCache
 
 # The corners of all triangles, three each, are counted in int32.
 MOST_TRIANGLES = (1 << 31) // 3
+# Metres from the origin where float32 has steps of a centimetre: small triangles lose their area.
+_FAR = 1e5
 
 
 class MeshExport(NamedTuple):
@@ -61,6 +63,8 @@ def _drop_triangles(mesh: TriangleMesh, keep, instances, warnings) -> TriangleMe
         return mesh
     usable_vertex = usable_vertices(mesh.vertices)
     usable = usable_vertex[mesh.triangles[dropped]].all(axis=1)
+    far = np.abs(mesh.vertices[usable_vertex]).max(initial=0.0) > _FAR
+    advice = ", or bring the scene nearer to the origin" if far else ""
     counts: dict[str, list[int]] = defaultdict(lambda: [0, 0])
     for kind, chosen in enumerate((dropped[~usable], dropped[usable])):
         for row, n in enumerate(np.bincount(mesh.object_index[chosen], minlength=len(instances))):
@@ -69,7 +73,7 @@ def _drop_triangles(mesh: TriangleMesh, keep, instances, warnings) -> TriangleMe
     for name, (broken, flat) in counts.items():
         warnings.append(
             f"Object {name}: {broken + flat} triangles left out ({flat} without area, "
-            f"{broken} with a vertex that is infinite or not a number): clean up its mesh"
+            f"{broken} with a vertex that is infinite or not a number): clean up its mesh{advice}"
         )
     mesh.vertices[~usable_vertex] = 0.0  # no triangle names them, but bounds may be taken of all
     return TriangleMesh(

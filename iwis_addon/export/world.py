@@ -21,7 +21,7 @@ from ...core.scene import (
 from .color_nodes import evaluate_color_node, luminance
 from .image import ImageError
 from .node_values import End, follow
-from .radiance import mend_radiance
+from .radiance import STRONGEST, mend_radiance
 from .texel_cache import TexelCache
 from .world_mapping import lookup_matrix
 
@@ -35,6 +35,10 @@ _SKY_MEAN = {
     "NISHITA": (2.1, 2.1, 2.0),
     "SINGLE_SCATTERING": (2.1, 2.1, 2.0),
     "MULTIPLE_SCATTERING": (1.9, 2.5, 3.5),
+}
+_IN_PARTS = {
+    "MOVIE": "is a movie: only the frame that Blender shows is used",
+    "TILED": "has UDIM tiles: only the first is used",
 }
 _EMITTERS = ("ShaderNodeBackground", "ShaderNodeEmission")
 
@@ -60,7 +64,14 @@ def export_world(
     # Blender 5 always uses nodes and warns who asks.
     if world.node_tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):
         return _uniform(np.array(world.color, np.float32), world.name, _visible_to_camera(world))
-    return _WorldReader(world, scene.camera, warnings, cache).read()
+    reader = _WorldReader(world, scene.camera, warnings, cache)
+    n_warnings = len(warnings)
+    environment = reader.read()
+    if len(warnings) == n_warnings and not (
+        environment.strength.any() and environment.radiance.any()
+    ):
+        reader.warn(None, "it gives no light: all is black but what emits by itself")
+    return environment
 
 
 class _WorldReader:
@@ -104,6 +115,9 @@ class _WorldReader:
         if strength.min() < 0.0 or not np.isfinite(strength).all():
             self.warn(None, f"strength {strength[0]:g} is not a finite number >= 0: 0 is used")
             strength = _BLACK
+        elif strength.max() > STRONGEST:
+            self.warn(None, f"strength {strength.max():g} is too large: {STRONGEST:g} is used")
+            strength = np.minimum(strength, np.float32(STRONGEST))
         if radiance.ndim == 1:
             return _uniform(self._mended(radiance) * strength, name, visible)
         node, groups = self._image.node, self._image.groups
@@ -131,7 +145,7 @@ class _WorldReader:
         radiance, notes = self._cache.mended(radiance, mend_radiance)
         for note in notes:
             if self._image is None:
-                self.warn(None, f"its colour: {note}")
+                self.warn(None, f"its colour {note}")
             else:
                 self.warn(self._image.node, f'image "{self._image.node.image.name}": {note}')
         return radiance
@@ -227,10 +241,8 @@ class _WorldReader:
         """(rgb, srgb interpolation) of a texture node; one pink texel where it cannot be read."""
         image = node.image
         try:
-            if image is not None and image.source in ("MOVIE", "TILED"):
-                self.warn(
-                    node, f'image "{image.name}" is a {image.source.lower()}: one part is used'
-                )
+            if image is not None and image.source in _IN_PARTS:
+                self.warn(node, f'image "{image.name}" {_IN_PARTS[image.source]}')
             return self._cache.read(image, node.image_user)
         except ImageError as error:
             self.warn(node, f"{error}. Pink instead, as in Cycles")
