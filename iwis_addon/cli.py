@@ -1,6 +1,7 @@
 """python -m iwis render FILE.blend -o OUT.exr: the real engine in the bpy module, no window.
 
-Exit codes: 0 rendered; 1 it could not be done, with one line on stderr; 2 wrong usage.
+Exit codes: 0 rendered; 1 it could not be done, with one line on stderr; 2 wrong usage. Ctrl-C or a
+SIGTERM ends the render: the picture holds what was done by then, the exit code is 1.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import sys
 from pathlib import Path
 
 from ..core.settings import RenderSettings
+from .interrupts import interrupts
 
 _FORMATS = {".exr": "OPEN_EXR_MULTILAYER", ".png": "PNG"}
 
@@ -108,11 +110,13 @@ def _render(parser, options) -> None:
     except ValueError as error:
         parser.error(str(error))
     _check_files(options)
-    try:
-        from . import cli_render
-    except ImportError as error:
-        raise CommandError(f"{error}; install it with: pip install bpy") from None
-    frames = cli_render.render_file(options, settings, _FORMATS[options.output.suffix.lower()])
+    with interrupts() as interrupted:
+        try:
+            from . import cli_render
+        except ImportError as error:
+            raise CommandError(f"{error}; install it with: pip install bpy") from None
+        file_format = _FORMATS[options.output.suffix.lower()]
+        frames = cli_render.render_file(options, settings, file_format, interrupted)
     for frame in frames:
         print(cli_render.describe(frame, options))
     if options.stats is not None:
@@ -126,11 +130,16 @@ def _check_files(options) -> None:
     if not options.file.is_file():
         raise CommandError(f"{options.file}: there is no such file")
     for path in filter(None, (options.output, options.stats)):
+        if path.is_dir():
+            raise CommandError(f"{path}: is a folder: name a file in it")
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             probe = path.with_name(f".{path.name}.iwis-probe")
             probe.touch()
             probe.unlink()
+        except FileExistsError:
+            why = f"{path.parent} is a file, not a folder"
+            raise CommandError(f"{path}: cannot be written: {why}") from None
         except OSError as error:
             raise CommandError(f"{path}: cannot be written: {error.strerror}") from None
 

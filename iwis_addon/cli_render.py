@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import threading
 from pathlib import Path
 
 import bpy
@@ -16,11 +17,21 @@ from .job import ENGINE, FrameStats, RenderJob, stats_by_frame
 from .output import check_written
 from .settings import apply_settings
 
+# What to do about the errors of Blender that come before any engine is asked.
+_ADVICE = {
+    "Cannot render, no camera": "add one, or choose one in the scene's properties",
+    "Image too small": "the render border holds no pixel: enlarge it or turn Render Region off",
+}
 
-def render_file(options, settings: RenderSettings, file_format: str) -> list[FrameStats]:
-    """Render what the command line asks for; return what each frame cost. Raises CommandError."""
+
+def render_file(options, settings: RenderSettings, file_format: str, interrupted) -> list:
+    """Render what the command line asks for; return the FrameStats of each frame.
+
+    interrupted: threading.Event that ends the render. Raises CommandError.
+    """
     if settings.cache_dir:
         os.environ[preferences.ENVIRONMENT] = settings.cache_dir
+    RenderJob.interrupt = interrupted
     register()
     try:
         scene = _open(options.file)
@@ -32,6 +43,7 @@ def render_file(options, settings: RenderSettings, file_format: str) -> list[Fra
             if scene.render.engine == ENGINE:
                 scene.render.engine = "BLENDER_WORKBENCH"
         unregister()
+        RenderJob.interrupt = threading.Event()
 
 
 def _open(path: Path):
@@ -69,13 +81,15 @@ def _render(scene, options) -> list[FrameStats]:
             scene.frame_set(options.frame)
         path = _numbered(options.output, scene.frame_current)
     scene.render.filepath = _for_blender(path)
+    if not any(layer.use for layer in scene.view_layers):  # Blender crashes
+        raise CommandError(f"{options.file}: no view layer is on: turn on Use for Rendering of one")
+    if RenderJob.interrupt.is_set():
+        raise CommandError("interrupted; nothing was rendered")
     try:
         bpy.ops.render.render(animation=animation, write_still=not animation)
     except RuntimeError as error:
-        raise CommandError(_one_line(error)) from None
+        raise CommandError(_what_stopped(_one_line(error))) from None
     frames = stats_by_frame(RenderJob.get().records)
-    if not frames:
-        raise CommandError(f"{options.file}: nothing was rendered; is a view layer on?")
     for frame in frames:
         _check(output_path(options, frame.frame))
     return frames
@@ -100,12 +114,13 @@ def output_path(options, frame: int) -> Path:
 
 
 def describe(frame: FrameStats, options) -> str:
-    """One line that says what was rendered, what it cost and where it is."""
+    """What was rendered, what it cost and where it is; first a line for each table built."""
     stats = frame.stats
     path = output_path(options, frame.frame)
     phases = ", ".join(f"{phase} {seconds:.2f} s" for phase, seconds in stats.seconds.items())
+    built = "".join(f"{table}\n" for table in stats.tables)
     return (
-        f"frame {frame.frame}: {stats.width}x{stats.height}, "
+        f"{built}frame {frame.frame}: {stats.width}x{stats.height}, "
         f"{stats.samples_mean:.1f} samples a pixel (at most {stats.samples_max}), "
         f"{stats.primary_rays} camera rays, {stats.shadow_rays} shadow rays; "
         f"{phases}; {path}"
@@ -126,6 +141,16 @@ def _numbered(path: Path, frame: int) -> Path:
 def _for_blender(path: Path) -> str:
     """An absolute path that Blender takes as it is: single braces would be a template to it."""
     return str(path.resolve()).replace("{", "{{").replace("}", "}}")
+
+
+def _what_stopped(message: str) -> str:
+    """Blender's message, with what to do about it or what is kept."""
+    if RenderJob.interrupt.is_set():
+        cut_short = [f.frame for f in stats_by_frame(RenderJob.get().records) if f.stats.cancelled]
+        if len(cut_short) < 2:  # the last one is the frame that has not begun
+            return "interrupted; the frame was not saved"
+        return f"interrupted; the picture of frame {cut_short[0]} holds what was done by then"
+    return f"{message}: {_ADVICE[message]}" if message in _ADVICE else message
 
 
 def _one_line(error: Exception) -> str:

@@ -10,6 +10,7 @@ the option is turned off.
 from __future__ import annotations
 
 import logging
+import threading
 import time
 from dataclasses import dataclass, field
 from typing import ClassVar
@@ -41,9 +42,11 @@ class RenderJob:
 
     records: one a frame, view layer and view, in the order of rendering
     films: (view layer, view) -> Film of the last frame, filled with `scene.iwis.keep_film`
+    interrupt: the command line's event; once it is set, all renders end as by a user's Esc
     """
 
     current: ClassVar[RenderJob | None] = None
+    interrupt: ClassVar[threading.Event] = threading.Event()
 
     def __init__(self):
         self.records: list[RenderRecord] = []
@@ -116,6 +119,7 @@ class FrameStats:
         total.triangles = max(total.triangles, part.triangles)
         total.cancelled |= part.cancelled
         total.warnings += [line for line in part.warnings if line not in total.warnings]
+        total.tables += [line for line in part.tables if line not in total.tables]
         for name in ("shaded_pixels", "samples_total", "primary_rays", "shadow_rays"):
             setattr(total, name, getattr(total, name) + getattr(part, name))
         for phase in total.seconds:

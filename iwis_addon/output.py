@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import shutil
+import sys
 from pathlib import Path
 
 import bpy
@@ -39,6 +42,8 @@ def check_room(scene, channels: int) -> None:
 
 def check_written(path: Path) -> None:
     """Raise OSError where a saved picture is cut short. Reads it back only when room ran out."""
+    if path.stat().st_size == 0:
+        raise OSError(f"{path}: nothing could be written: free some space, or choose another disk")
     if shutil.disk_usage(path.parent).free > path.stat().st_size:
         return
     problem = _damage_of(path)
@@ -53,7 +58,22 @@ def _damage_of(path: Path) -> str:
     from ..core.exr import read_exr
 
     try:
-        read_exr(path)
-    except OSError as error:
-        return str(error).removeprefix(f"{path}: ")
+        with _without_stderr():
+            read_exr(path)
+    except OSError:
+        return "the file is cut short"
     return ""
+
+
+@contextlib.contextmanager
+def _without_stderr():
+    """Of the whole process: OpenEXR's C library prints a line for each damaged part of a file."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    try:
+        with open(os.devnull, "w") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)

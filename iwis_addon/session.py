@@ -41,7 +41,7 @@ class FinalRender:
                 depsgraph,
                 warnings=self._export_stats.warnings,
                 cache=self.job.export_cache,
-                cancelled=self.engine.test_break,
+                cancelled=self._cancelled,
             )
         self.job.warn(self._export_stats.warnings)
 
@@ -49,12 +49,22 @@ class FinalRender:
         """Render and deliver every view; deliver what is done after a cancel."""
         rows = add_passes(self.engine, depsgraph.view_layer_eval)
         for view in result_views(self.engine):
-            if self.scene is None or self.engine.test_break():
+            if self.scene is None or self._cancelled():
                 self._record(view, RenderStats(cancelled=True), output_seconds=0.0)
+                self._raise_interrupt()
                 return
             camera = stereo.camera_of_view(self.engine, depsgraph.scene_eval, self.scene, view)
             self._render_view(view, dataclasses.replace(self.scene, camera=camera), rows)
+        self._raise_interrupt()
         check_room(depsgraph.scene_eval, sum(len(row.channel_ids) for row in rows))
+
+    def _cancelled(self) -> bool:
+        return self.engine.test_break() or RenderJob.interrupt.is_set()
+
+    def _raise_interrupt(self) -> None:
+        """End an interrupted job without a picture where there is nothing to be seen in it."""
+        if RenderJob.interrupt.is_set() and not self.delivered:
+            raise KeyboardInterrupt
 
     def _render_view(self, view, scene, rows):
         film = Film(scene.camera.region) if self._keep_film else None
@@ -71,7 +81,8 @@ class FinalRender:
         if stats is None:
             # The core still holds the caches: the next render must not meet it there.
             self.job.forget_caches()
-            stats = RenderStats(cancelled=True)
+            x0, y0, x1, y1 = scene.camera.region
+            stats = RenderStats(width=x1 - x0, height=y1 - y0, cancelled=True)
         self._record(view, stats, sink.output_seconds)
         if film is not None:
             self.job.films[self.layer, view] = film

@@ -9,6 +9,7 @@ import bpy
 from ..core.film import Film, Progress, Tile
 from ..core.settings import RenderSettings
 from ..core.stats import peak_memory_bytes
+from .job import RenderJob
 from .passes import Pass
 
 # Blender prints a line for every update in background mode; a farm's log needs no more.
@@ -78,7 +79,7 @@ class BlenderSink:
             self._engine.update_progress(progress.fraction)
 
     def cancelled(self) -> bool:
-        return self._engine.test_break()
+        return self._engine.test_break() or RenderJob.interrupt.is_set()
 
     def line(self, progress: Progress, seconds: float, peak_mb: float) -> str:
         """The status line; farms look for `Rendered 3/12 Tiles, Sample 12/128` in it."""
