@@ -10,6 +10,7 @@ else:
     import bpy
 
     import iwis
+    from support.bad_scenes import build_cube_scene
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -33,13 +34,6 @@ def scene():
 @pytest.fixture
 def cube_scene(scene):
     """A grey cube on a plane under a white world of strength 1, seen by a camera from above."""
-    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 0.0, 0.5))
-    bpy.ops.mesh.primitive_plane_add(size=8.0)
-    bpy.ops.object.camera_add(location=(3.0, -3.0, 3.0), rotation=(0.95, 0.0, 0.785))
-    scene.camera = bpy.context.object
-    scene.world = bpy.data.worlds.new("White")
-    if bpy.app.version < (5, 0, 0):
-        scene.world.use_nodes = True
-    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    build_cube_scene(scene)
     scene.iwis.max_samples = 8
     return scene

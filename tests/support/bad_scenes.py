@@ -28,7 +28,10 @@ def use_texels(scene, *texels, size=(8, 16)):
     radiance = np.full((*size, 3), 0.5, np.float32)
     for texel, value in enumerate(texels):
         radiance[0, texel] = value
-    use_hdri(scene, new_image(radiance))
+    image = new_image(radiance)
+    image.file_format = "OPEN_EXR"
+    image.pack()
+    use_hdri(scene, image)
 
 
 def new_material(name):
@@ -224,3 +227,31 @@ def damaged_mesh(scene, _folder):
 def empty_border(scene, _folder):
     scene.render.use_border = True
     scene.render.border_min_x = scene.render.border_max_x = 0.5
+
+
+def no_view_layer(scene, _folder):
+    scene.view_layers[0].use = False
+
+
+def save_cube_scene(path, change):
+    """A .blend of the cube on a plane, 32 x 24 pixels, changed if a function is given; its path."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = 32, 24
+    build_cube_scene(scene)
+    if change is not None:
+        change(scene, path.parent)
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return path
+
+
+def build_cube_scene(scene):
+    """A grey cube on a plane under a white world of strength 1, seen by a camera from above."""
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 0.0, 0.5))
+    bpy.ops.mesh.primitive_plane_add(size=8.0)
+    bpy.ops.object.camera_add(location=(3.0, -3.0, 3.0), rotation=(0.95, 0.0, 0.785))
+    scene.camera = bpy.context.object
+    scene.world = bpy.data.worlds.new("White")
+    if bpy.app.version < (5, 0, 0):
+        scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
