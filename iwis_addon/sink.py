@@ -91,10 +91,11 @@ class BlenderSink:
             parts.append(f"Remaining:{clock(seconds * (1.0 / progress.fraction - 1.0))}")
         x0, y0, x1, y1 = self._region
         pixels = max(progress.fraction * (x1 - x0) * (y1 - y0), 1.0)
+        most = self._settings.max_samples  # tiles at the border are smaller than the mean one
         parts += [
             self._layer,
             f"Rendered {progress.tiles_done}/{progress.tiles_total} Tiles, "
-            f"Sample {round(progress.samples / pixels)}/{self._settings.max_samples}",
+            f"Sample {min(round(progress.samples / pixels), most)}/{most}",
         ]
         return " | ".join(parts)
 

@@ -89,4 +89,5 @@ def test_unwritable_cache_folder_is_told_and_replaced(monkeypatch, tmp_path, cap
     real = _jit.os.getuid()
     monkeypatch.setattr(_jit.os, "getuid", lambda: real + 1)
     another = Path(_jit._writable_cache_dir())
-    assert another.is_dir() and "iwis-numba-" in another.name and str(real + 1) not in another.name
+    theirs = f"iwis-numba-{real + 1}-{_jit._code_key()}"
+    assert another.is_dir() and another.name.startswith("iwis-numba-") and another.name != theirs
