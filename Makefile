@@ -31,9 +31,11 @@ render:
 test:
 	@python="$$($(venv_python))" && "$$python" -m pytest $(ARGS)
 
-# Speed beside Cycles on two statues: CPU seconds to an error (benchmarks/README.md), in out/.
+# Error against CPU time beside Cycles and Mitsuba, scaling, start-up: docs/benchmarks.md, 20 minutes.
 bench:
-	@python="$$($(venv_python))" && "$$python" benchmarks/versus_cycles.py $(ARGS)
+	@python="$$($(venv_python))" && \
+		{ "$$python" -c "import matplotlib" 2>&- || "$$python" -m pip install -q -e ".[bench]"; } && \
+		"$$python" benchmarks/suite.py $(ARGS)
 
 lint:
 	@python="$$($(venv_python))" && "$$python" -m ruff check . && "$$python" -m ruff format --check .

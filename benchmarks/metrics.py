@@ -73,3 +73,26 @@ def cost_at(error: float, costs, found) -> float | None:
         return float(np.exp(log_cost[0]))
     x, y = log_error[first - 1 : first + 1], log_cost[first - 1 : first + 1]
     return float(np.exp(y[0] + (target - x[0]) / (x[1] - x[0]) * (y[1] - y[0])))
+
+
+def cost_beyond(error: float, costs, found, most: float = 4.0) -> float | None:
+    """The cost at which an error would be reached if the last step's slope went on.
+
+    None where that is more than ``most`` times the last cost, or the error does not fall.
+    """
+    order = np.argsort(costs)
+    log_cost, log_error = np.log(np.asarray(costs)[order]), np.log(np.asarray(found)[order])
+    if len(order) < 2 or log_error[-1] >= log_error[-2]:
+        return None
+    slope = (log_cost[-1] - log_cost[-2]) / (log_error[-1] - log_error[-2])
+    factor = np.exp((np.log(error) - log_error[-1]) * slope)
+    return float(np.exp(log_cost[-1]) * factor) if factor <= most else None
+
+
+def error_at(cost: float, costs, found) -> float | None:
+    """The error at a cost, by straight lines in log-log; None outside the curve."""
+    order = np.argsort(costs)
+    log_cost, log_error = np.log(np.asarray(costs)[order]), np.log(np.asarray(found)[order])
+    if not log_cost[0] <= np.log(cost) <= log_cost[-1]:
+        return None
+    return float(np.exp(np.interp(np.log(cost), log_cost, log_error)))

@@ -51,7 +51,7 @@ class Average(NamedTuple):
 
 def build(data: Path, probe: str, surface: str, turn_deg: float):
     """The Buddha, z up, filling the portrait picture; returns the open file's scene."""
-    scene = scenes.new_scene("forest", turn_deg, SIZE)
+    scene = scenes.new_scene("hall", turn_deg, SIZE)
     texture = next(n for n in scene.world.node_tree.nodes if n.type == "TEX_ENVIRONMENT")
     texture.image = bpy.data.images.load(str((data / probe).resolve()))
     with quiet():

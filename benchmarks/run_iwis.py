@@ -77,4 +77,8 @@ class IwisRun:
         """
         scene = scene or self.scene
         film = Film(scene.camera.region)
-        return film, render(scene, dataclasses.replace(self.base, **changes), film, self.cache)
+        return film, render(scene, self.settings(**changes), film, self.cache)
+
+    def settings(self, **changes) -> RenderSettings:
+        """The base's settings with changes. Raises TypeError or ValueError for wrong ones."""
+        return dataclasses.replace(self.base, **changes)

@@ -2,9 +2,8 @@
 
     python benchmarks/scenes.py [--out FOLDER] [NAME ...]
 
-Lit by HDRIs that every Blender brings (its studio lights), so nothing has to be fetched. The shadow
-terminator offset, a feature of Cycles that bends shadow rays near the horizon of coarse smooth
-meshes, is off: it is not what is compared.
+Lit by the HDRIs of sample_blends/hdri (CC0). The shadow terminator offset, a feature of Cycles that
+bends shadow rays near the horizon of coarse smooth meshes, is off: it is not what is compared.
 """
 
 from __future__ import annotations
@@ -17,12 +16,14 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-FOLDER = Path(__file__).resolve().parent.parent / "out" / "benchmarks"
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER, HDRIS = ROOT / "out" / "benchmarks", ROOT / "sample_blends" / "hdri"
 STONE, SOIL, LEAF, STEEL = (0.7, 0.68, 0.63), (0.30, 0.22, 0.14), (0.22, 0.42, 0.12), (0.5,) * 3
+GOLD = (0.8, 0.55, 0.3)
 
 
 def new_scene(hdri: str, turn_deg: float, size: tuple[int, int]):
-    """An empty file under one of Blender's HDRIs, turned about z; returns its scene."""
+    """An empty file under an HDRI of HDRIS, turned about z; returns its scene."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
@@ -32,8 +33,7 @@ def new_scene(hdri: str, turn_deg: float, size: tuple[int, int]):
         scene.world.use_nodes = True
     tree = scene.world.node_tree
     texture = tree.nodes.new("ShaderNodeTexEnvironment")
-    lights = Path(bpy.utils.resource_path("LOCAL")) / "datafiles" / "studiolights" / "world"
-    texture.image = bpy.data.images.load(str(lights / f"{hdri}.exr"))
+    texture.image = bpy.data.images.load(str(HDRIS / f"{hdri}.exr"))
     mapping = tree.nodes.new("ShaderNodeMapping")
     mapping.inputs["Rotation"].default_value[2] = math.radians(turn_deg)
     coordinates = tree.nodes.new("ShaderNodeTexCoord")
@@ -184,10 +184,10 @@ def colonnade(rings, columns: int, rows: int):
     return joined(parts)
 
 
-def statue(make_surface, *, detail: float = 1.0, size=(200, 400)):
+def statue(make_surface, *, hdri: str = "hall", detail: float = 1.0, size=(200, 400)):
     """A robed figure on a colonnade: the head sees the sky, the feet hardly. A million triangles
     at detail 1. make_surface: makes its material, in the new file."""
-    scene = new_scene("forest", 70.0, size)
+    scene = new_scene(hdri, 70.0, size)
     surface = make_surface()
     levels = 4 if detail >= 1.0 else 2
     rows, columns = round(420 * detail), round(520 * detail)
@@ -227,7 +227,7 @@ def blades(count: int, spread: float, rng):
 
 def foliage(*, size=(256, 256)):
     """Grass below a canopy of loose leaves and a grille of thin bars, glossy all."""
-    scene, rng = new_scene("city", 40.0, size), np.random.default_rng(3)
+    scene, rng = new_scene("sunrise", 40.0, size), np.random.default_rng(3)
     ground = sheet(np.array([[(-12, -12, 0), (12, -12, 0)], [(-12, 12, 0), (12, 12, 0)]], float))
     add_mesh(scene, "ground", ground, principled(SOIL, 0.3))
     leaf = principled(LEAF, 0.3)
@@ -247,7 +247,7 @@ def foliage(*, size=(256, 256)):
 
 def interior(*, size=(256, 192)):
     """A room with one window, a table and figures: most of the light is blocked everywhere."""
-    scene, wall = new_scene("city", 200.0, size), diffuse((0.75, 0.72, 0.66))
+    scene, wall = new_scene("sunset", 200.0, size), diffuse((0.75, 0.72, 0.66))
     walls = [
         box((-3.2, -4.2, -0.2), (3.2, 4.2, 0.0)),  # floor
         box((-3.2, -4.2, 3.0), (3.2, 4.2, 3.2)),  # ceiling
@@ -271,17 +271,19 @@ def interior(*, size=(256, 192)):
 
 
 SCENES = {
-    "statue_diffuse": lambda: statue(lambda: diffuse(STONE)),
-    "statue_glossy": lambda: statue(lambda: principled((0.8, 0.55, 0.3), 0.3, 1.0)),
+    "statue_diffuse": lambda **given: statue(lambda: diffuse(STONE), **given),
+    "statue_glossy": lambda **given: statue(
+        lambda: principled(GOLD, 0.3, 1.0), hdri="workshop", **given
+    ),
     "foliage": foliage,
     "interior": interior,
 }
 
 
-def save(name: str, folder: Path = FOLDER) -> Path:
-    """Build a scene and save it as folder/NAME.blend."""
+def save(name: str, folder: Path = FOLDER, **given) -> Path:
+    """Build a scene and save it as folder/NAME.blend. given: arguments of its function"""
     folder.mkdir(parents=True, exist_ok=True)
-    SCENES[name]()
+    SCENES[name](**given)
     path = folder / f"{name}.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), compress=False)
     return path

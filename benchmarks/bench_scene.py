@@ -1,0 +1,75 @@
+"""Parts of the suite that need one scene, in a process of its own: suite.py runs it.
+
+    python benchmarks/bench_scene.py SCENE PART[,PART...] FOLDER [--quick] ...
+
+SCENE: a name of scenes.py or a .blend file. Writes FOLDER/SCENE.PART.json; pictures to --pictures.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from pathlib import Path
+
+import bpy
+import part_error
+import scenes
+from configurations import FULL, QUICK, SCENES, base_settings
+from part_error import Bench
+from run_cycles import quiet, use_cycles
+from run_iwis import IwisRun, export_open_file
+
+PARTS = {"error": part_error.measure}
+
+
+def main() -> None:
+    """Measure, write, and say how long each part took."""
+    options = parse()
+    scene = open_scene(options.scene, options.quick)
+    use_cycles(scene, options.threads)
+    run = IwisRun(export_open_file(scene).scene, base_settings(options.threads))
+    bench = Bench(
+        name=Path(options.scene).stem,
+        scene=scene,
+        run=run,
+        effort=QUICK if options.quick else FULL,
+        threads=options.threads,
+        folder=options.folder,
+        mitsuba=options.mitsuba,
+        renew=options.renew,
+    )
+    options.folder.mkdir(parents=True, exist_ok=True)
+    for part in options.parts:
+        start = time.perf_counter()
+        found = PARTS[part](bench)
+        found["seconds"] = time.perf_counter() - start
+        (options.folder / f"{bench.name}.{part}.json").write_text(json.dumps(found, indent=1))
+        print(f"{bench.name} {part}: {found['seconds']:.0f} s", flush=True)
+
+
+def parse():
+    parser = argparse.ArgumentParser(description="Measure on one scene.")
+    parser.add_argument("scene")
+    parser.add_argument("parts", type=lambda text: text.split(","))
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--renew", action="store_true")
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--mitsuba", type=Path)
+    parser.add_argument("--pictures", type=Path)
+    return parser.parse_args()
+
+
+def open_scene(name: str, quick: bool):
+    """Build a scene of scenes.py, or open a file."""
+    if name in scenes.SCENES:
+        return scenes.SCENES[name](**(SCENES[name].quick if quick else SCENES[name].full))
+    with quiet():
+        bpy.ops.wm.open_mainfile(filepath=str(Path(name).resolve()), load_ui=False)
+    bpy.context.scene.render.use_border = False
+    return bpy.context.scene
+
+
+if __name__ == "__main__":
+    main()
