@@ -19,9 +19,9 @@ from iwis.core.lobes import Lobes, setup_lobes
 from iwis.core.render import tile_rects
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import Scene
+from iwis.core.sequence import halton_points, point_shifts
 from iwis.core.settings import RenderSettings
 from iwis.core.shading import ShadingPoints, params_at, shading_points
-from iwis.core.unbiased import halton_points, point_shifts
 
 SHARES = {
     "light": reference.LIGHT_SAMPLING,

@@ -7,10 +7,11 @@ In the order of the data; a module imports only from groups with a smaller numbe
     microfacet, terminator, exr
     camera, accel, albedo_tables, haar_forest,       2  rays, Embree, sparse Haar series
     environment, shading, watch
-    lobes, pyramid, haar_product, table_cache        3  materials at a point; light; products
-    brdf, product, tables, incremental               4  the BSDF; product sampling; the paper's loop
-    unbiased, paper_tables                           5  mode UNBIASED; the tables of a scene
-    paper_products, render_cache, develop            6  the paper's products; what is kept; layers
+    lobes, pyramid, haar_product, table_cache,       3  materials at a point; light; products
+    sequence
+    brdf, product, warp, tables, incremental         4  the BSDF; product sampling; the paper's loop
+    light_rays, paper_tables                         5  samples' rays; the tables of a scene
+    unbiased, paper_products, render_cache, develop  6  the two modes; what is kept; layers
     paper                                            7  mode PAPER
     reference, render                                8  estimators to compare with; the entry point
 """

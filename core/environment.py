@@ -130,9 +130,15 @@ def eval_environment(lookup, x, y, z):
 
     x, y, z: float32; unit length is needed only where the map's matrix translates
     """
+    u, v = map_coordinates(lookup, x, y, z)
+    return eval_map(lookup, u, v)
+
+
+@_inline
+def eval_map(lookup, u, v):
+    """(r, g, b): the map's radiance at (u, v) of map_coordinates, strength included."""
     texels, strength = lookup.texels, lookup.strength
     height, width = np.int32(texels.shape[0]), np.int32(texels.shape[1])
-    u, v = map_coordinates(lookup, x, y, z)
     if lookup.interpolation == _LOOKUP_CLOSEST:
         column, row = np.int32(u * np.float32(width)), np.int32(v * np.float32(height))
         i = np.uint32(row if row < height else 0)

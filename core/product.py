@@ -26,7 +26,6 @@ from .sphere_map import square_to_sphere
 WIDE_LEVEL, NARROW_LEVEL = 5, 6
 # Below this alpha a lobe has structure that 32^2 cells (6.3 degrees) cannot hold.
 NARROW_ALPHA = 0.5
-_BELOW_ONE = 0.9999999999999999
 
 
 class ProductCells(NamedTuple):
@@ -154,107 +153,11 @@ def build_product(lobes, p, level, cells, tree):
 
 
 @kernel(forceinline=True)
-def descend(a, b, c, d, x, y):
-    """One step of the hierarchical warp: (quadrant, x, y) [Clarberg05], split by rows first.
+def pdf_product(products, tree, level, averages, levels, square_x, square_y):
+    """The density, sr^-1, that warp.warp_lanes gives the direction at a point of the square.
 
-    Products with 0 and 1 in place of branches, which nobody could predict; one division.
+    products[tree]: where the point's product begins
     """
-    top, bottom = a + b, c + d
-    y *= top + bottom
-    low = np.float64(y >= top)
-    high = 1.0 - low
-    y -= low * top
-    row, left, right = high * top + low * bottom, high * a + low * c, high * b + low * d
-    x *= row
-    far = np.float64(x >= left)
-    x -= far * left
-    cell = (1.0 - far) * left + far * right
-    inverse = 1.0 / (row * cell)
-    quadrant = np.int64(low + low + far)
-    return quadrant, min(x * (row * inverse), _BELOW_ONE), min(y * (cell * inverse), _BELOW_ONE)
-
-
-class WarpLanes(NamedTuple):
-    """Points of one pixel that go down the product side by side.
-
-    A step waits for the last one's result for 25 ns, whatever the processor; eight points at once
-    wait together.
-
-    x, y: float64 (n,), the points, then what is left of them; cell: int64 (n,), scratch
-    order: int64 (n,), the caller's: which lane holds which point
-    dx, dy, dz, pdf: float64 (n,), directions in world space and their density, sr^-1
-    """
-
-    x: np.ndarray
-    y: np.ndarray
-    cell: np.ndarray
-    order: np.ndarray
-    dx: np.ndarray
-    dy: np.ndarray
-    dz: np.ndarray
-    pdf: np.ndarray
-
-
-def new_lanes(n: int) -> WarpLanes:
-    """Room for n points."""
-    integers = (np.empty(n, np.int64) for _ in range(2))
-    return WarpLanes(np.empty(n), np.empty(n), *integers, *(np.empty(n) for _ in range(4)))
-
-
-@kernel
-def warp_product(trees, p, level, morton, averages, levels, lanes, first, last):
-    """Warp points first ... last - 1 of ``lanes`` to directions, with their densities.
-
-    trees[p], level, morton: of build_product and its cells; averages, levels: the LightPyramid.
-    The sum of the product, trees[p, 0], must be above 0.
-    """
-    for s in range(first, last):
-        lanes.cell[s] = 0
-    for step in range(level):
-        m, begin = 1 << (2 * step), level_offset(step + 1)
-        for s in range(first, last):
-            child = begin + lanes.cell[s]
-            quadrant, lanes.x[s], lanes.y[s] = descend(
-                np.float64(trees[p, child]),
-                np.float64(trees[p, child + m]),
-                np.float64(trees[p, child + 2 * m]),
-                np.float64(trees[p, child + 3 * m]),
-                lanes.x[s],
-                lanes.y[s],
-            )
-            lanes.cell[s] += quadrant * m
-    leaf_scale = (1 << (2 * level)) / (4.0 * math.pi * np.float64(trees[p, 0]))
-    for s in range(first, last):
-        leaf = lanes.cell[s]
-        lanes.cell[s] = morton[leaf]
-        leaf_light = np.float64(averages[level_offset(level) + morton[leaf]])
-        lanes.pdf[s] = leaf_scale * np.float64(trees[p, level_offset(level) + leaf]) / leaf_light
-    for step in range(level, levels):
-        begin = level_offset(step + 1)
-        for s in range(first, last):
-            child = begin + 4 * lanes.cell[s]
-            quadrant, lanes.x[s], lanes.y[s] = descend(
-                np.float64(averages[child]),
-                np.float64(averages[child + 1]),
-                np.float64(averages[child + 2]),
-                np.float64(averages[child + 3]),
-                lanes.x[s],
-                lanes.y[s],
-            )
-            lanes.cell[s] = 4 * lanes.cell[s] + quadrant
-    side = 1 << levels
-    for s in range(first, last):
-        cell = lanes.cell[s]
-        row, column = morton_to_row_column(cell, levels)
-        lanes.dx[s], lanes.dy[s], lanes.dz[s] = square_to_sphere(
-            (column + lanes.x[s]) / side, (row + lanes.y[s]) / side
-        )
-        lanes.pdf[s] *= np.float64(averages[level_offset(levels) + cell])
-
-
-@kernel(forceinline=True)
-def pdf_product(trees, p, level, averages, levels, square_x, square_y):
-    """The density, sr^-1, that warp_product gives the direction at a point of the square."""
     side = 1 << levels
     column = min(int(square_x * side), side - 1)
     row = min(int(square_y * side), side - 1)
@@ -271,6 +174,6 @@ def pdf_product(trees, p, level, averages, levels, square_x, square_y):
     leaf_light = np.float64(averages[level_offset(level) + leaf])
     if leaf_light <= 0.0:
         return 0.0
-    share = np.float64(trees[p, level_offset(level) + r]) / np.float64(trees[p, 0])
+    share = np.float64(products[tree + level_offset(level) + r]) / np.float64(products[tree])
     light = np.float64(averages[level_offset(levels) + cell])
     return share * (light / leaf_light) * (1 << (2 * level)) / (4.0 * math.pi)

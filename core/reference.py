@@ -12,18 +12,41 @@ import numpy as np
 
 from ._jit import kernel
 from .brdf import lobes_at, pdf_at, sample_at
+from .environment import eval_environment
 from .halton import radical_inverse_2
 from .incremental import RayBatch
+from .light_rays import Light, write_ray
 from .lobes import Lobes
 from .paper import PaperSampler
-from .product import descend
 from .pyramid import level_offset, morton_to_row_column, pdf_light
+from .sequence import sample_number, shifted_point
 from .shading import ShadingPoints
 from .sphere_map import square_to_sphere
-from .unbiased import Light, sample_number, write_ray
 
 # Part of the samples that follow the BSDF.
 LIGHT_SAMPLING, BSDF_SAMPLING, MIS_SAMPLING = 0.0, 1.0, 0.5
+_BELOW_ONE = 0.9999999999999999
+
+
+@kernel(forceinline=True)
+def descend(a, b, c, d, x, y):
+    """One step of the hierarchical warp: (quadrant, x, y) [Clarberg05], split by rows first.
+
+    Products with 0 and 1 in place of branches, which nobody could predict; one division.
+    """
+    top, bottom = a + b, c + d
+    y *= top + bottom
+    low = np.float64(y >= top)
+    high = 1.0 - low
+    y -= low * top
+    row, left, right = high * top + low * bottom, high * a + low * c, high * b + low * d
+    x *= row
+    far = np.float64(x >= left)
+    x -= far * left
+    cell = (1.0 - far) * left + far * right
+    inverse = 1.0 / (row * cell)
+    quadrant = np.int64(low + low + far)
+    return quadrant, min(x * (row * inverse), _BELOW_ONE), min(y * (cell * inverse), _BELOW_ONE)
 
 
 @kernel
@@ -58,8 +81,7 @@ def _sample_round(
         p = active[a]
         at = lobes_at(lobes, p)
         for k in range(first, first + count):
-            x, y = sequence[k, 0] + shifts.x[p], sequence[k, 1] + shifts.y[p]
-            x, y = x - np.floor(x), y - np.floor(y)
+            x, y = shifted_point(sequence, shifts, p, k)
             if x < share:
                 wx, wy, wz, _ = sample_at(at, np.float32(x / share), np.float32(y))
                 dx, dy, dz = np.float64(wx), np.float64(wy), np.float64(wz)
@@ -67,10 +89,13 @@ def _sample_round(
             else:
                 x = (x - share) / (1.0 - share)
                 dx, dy, dz, from_light = sample_light(averages, levels, x, y)
-            from_bsdf = pdf_at(at, np.float32(dx), np.float32(dy), np.float32(dz))
-            pdf = share * np.float64(from_bsdf) + (1.0 - share) * from_light
+                wx, wy, wz = np.float32(dx), np.float32(dy), np.float32(dz)
+            pdf = np.float32(
+                share * np.float64(pdf_at(at, wx, wy, wz)) + (1.0 - share) * from_light
+            )
+            radiance = eval_environment(light.lookup, wx, wy, wz)
             u = sample_number(shifts, p, k)
-            n = write_ray(at, points, light, p, dx, dy, dz, pdf, u, offset, rays, n)
+            n = write_ray(at, points, light, p, (wx, wy, wz), radiance, pdf, u, offset, rays, n)
     return n
 
 

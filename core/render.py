@@ -19,15 +19,17 @@ from .camera import camera_rays, planar_depth
 from .develop import add_points, background_layers
 from .film import Progress, Tile, TileSink
 from .incremental import PixelSums, Sampler, sample_points
+from .light_rays import Light
 from .lobes import Lobes, setup_lobes
 from .paper import PaperSampler
 from .paper_tables import PaperTables
 from .render_cache import RenderCache
 from .scene import Scene
+from .sequence import halton_points, point_shifts
 from .settings import RenderSettings
 from .shading import ShadingPoints, params_at, shading_points
 from .stats import RenderStats
-from .unbiased import Light, UnbiasedSampler, halton_points, point_shifts
+from .unbiased import UnbiasedSampler
 from .watch import POLL_SECONDS, Cancelled, watched
 
 # Points that are sampled together: their products (22 kB each where a lobe is narrow) stay in a
@@ -254,6 +256,4 @@ def _make_sampler(job: _Job, points: ShadingPoints, lobes: Lobes, rows, tile) ->
     shifts = point_shifts(points, tile, settings.seed, settings.decorrelation)
     if settings.estimator == "PAPER":
         return PaperSampler(points, lobes, rows, job.tables, shifts, job.halton, offset)
-    return UnbiasedSampler(
-        points, lobes, job.light, shifts, job.halton, settings.batch_size, offset
-    )
+    return UnbiasedSampler(points, lobes, job.light, shifts, job.halton, offset)

@@ -6,11 +6,11 @@ import numpy as np
 
 from .accel import Accel
 from .environment import make_lookup
+from .light_rays import Light, make_light
 from .paper_tables import PaperTables, TableBuilder
 from .pyramid import build_pyramid
 from .scene import EnvironmentMap, Scene, TriangleMesh
 from .settings import RenderSettings
-from .unbiased import Light, make_light
 
 
 class RenderCache:

@@ -6,8 +6,8 @@ import pytest
 from iwis.core.environment import eval_environment_many
 from iwis.core.paper import PaperSampler
 from iwis.core.paper_tables import TableBuilder
+from iwis.core.sequence import halton_points
 from iwis.core.settings import RenderSettings
-from iwis.core.unbiased import halton_points
 from support.naive import integrate_diffuse, integrate_glossy
 from support.samplers import all_rays, no_shifts, pixel_points
 from support.scenes import (

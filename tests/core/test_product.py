@@ -40,7 +40,7 @@ def _noise_world():
 
 @pytest.fixture(scope="module")
 def lights():
-    """core.unbiased.Light by name."""
+    """core.light_rays.Light by name."""
     worlds = {
         "hdri": _noise_world(),
         "sun": one_texel_world(32, 22, 40, 1e5),
@@ -72,8 +72,11 @@ def test_warp_returns_the_density_at_its_direction(light, material, lights, rng)
     """pdf of the warp = pdf_product there, for all points; directions are unit."""
     product = _product(lights, light, material)
     directions, pdf = product.warp(rng.random((5000, 2)))
-    np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1.0, atol=1e-12)  # float64
-    np.testing.assert_allclose(product.pdf(directions), pdf, rtol=1e-9)  # float64, other order
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1.0, atol=5e-7)  # float32
+    # float32, other order. A direction within 1e-7 of a cell's border is rounded over it: at most
+    # 2 x 512 borders x 1e-7 of the points, times the ten cases where it may happen, once in 5000.
+    differs = np.abs(product.pdf(directions) / pdf - 1.0) > 1e-5
+    assert differs.sum() <= 5
     assert (pdf > 0.0).all()
 
 

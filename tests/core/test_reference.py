@@ -16,9 +16,9 @@ from iwis.core.reference import (
     pdf_light,
     sample_light,
 )
+from iwis.core.sequence import halton_points
 from iwis.core.settings import RenderSettings
 from iwis.core.sphere_map import sphere_grid
-from iwis.core.unbiased import halton_points
 from support.naive import radical_inverse
 from support.samplers import no_shifts, pixel_points, random_shifts
 from support.scenes import (

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from iwis.core.settings import RenderSettings
-from iwis.core.unbiased import UnbiasedSampler, halton_points, point_shifts
+from iwis.core.sequence import halton_points, point_shifts
+from iwis.core.unbiased import UnbiasedSampler
 from support.samplers import all_rays, no_shifts, pixel_points
 from support.scenes import (
     camera_above,
@@ -88,7 +88,6 @@ def test_rays_leave_the_surface_with_light():
         light_of(scene.environment),
         no_shifts(n),
         halton_points(16),
-        RenderSettings().batch_size * 2,
         pixels.accel.offset,
     )
     lit = sampler.lit()

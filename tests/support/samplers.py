@@ -8,8 +8,8 @@ from iwis.core.accel import Accel
 from iwis.core.camera import camera_rays
 from iwis.core.incremental import RayBatch, new_rays
 from iwis.core.lobes import Lobes, setup_lobes
+from iwis.core.sequence import PointShifts
 from iwis.core.shading import ShadingPoints, params_at, shading_points
-from iwis.core.unbiased import PointShifts
 
 
 class PixelPoints(NamedTuple):

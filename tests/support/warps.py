@@ -4,24 +4,23 @@ import numpy as np
 
 from iwis.core._jit import kernel
 from iwis.core.environment import make_lookup
+from iwis.core.light_rays import make_light
 from iwis.core.lobes import setup_lobes
 from iwis.core.product import (
     NARROW_LEVEL,
     build_product,
     choose_level,
-    new_lanes,
     pdf_product,
-    warp_product,
 )
 from iwis.core.pyramid import build_pyramid, level_offset
 from iwis.core.sphere_map import sphere_to_square
-from iwis.core.unbiased import make_light
+from iwis.core.warp import DX, DY, DZ, LANES, PDF, X, Y, new_lanes, warp_lanes
 
 from .scenes import make_materials
 
 
 def light_of(world):
-    """core.unbiased.Light of an EnvironmentMap."""
+    """core.light_rays.Light of an EnvironmentMap."""
     lookup = make_lookup(world)
     return make_light(lookup, build_pyramid(lookup, 1))
 
@@ -30,7 +29,7 @@ def light_of(world):
 def _pdfs(trees, level, averages, levels, directions, out):
     for k in range(len(directions)):
         x, y = sphere_to_square(directions[k, 0], directions[k, 1], directions[k, 2])
-        out[k] = pdf_product(trees, 0, level, averages, levels, x, y)
+        out[k] = pdf_product(trees[0], 0, level, averages, levels, x, y)
 
 
 @kernel
@@ -39,7 +38,7 @@ def _finest_pdfs(trees, level, averages, levels, out):
     for i in range(side):
         for j in range(side):
             x, y = (j + 0.5) / side, (i + 0.5) / side
-            out[i, j] = pdf_product(trees, 0, level, averages, levels, x, y)
+            out[i, j] = pdf_product(trees[0], 0, level, averages, levels, x, y)
 
 
 class PointProduct:
@@ -59,13 +58,18 @@ class PointProduct:
 
     def warp(self, points):
         """Points (n, 2) of the square -> (directions float64 (n, 3), pdf (n,))."""
-        lanes = new_lanes(len(points))
-        lanes.x[:], lanes.y[:] = points.T
-        averages, levels = self.light.pyramid
-        warp_product(
-            self._trees, 0, self.level, self._cells.morton, averages, levels, lanes, 0, len(points)
-        )
-        return np.stack([lanes.dx, lanes.dy, lanes.dz], -1), lanes.pdf.copy()
+        lanes, products, light = new_lanes(), self._trees[0], self.light.pyramid
+        directions, pdf = np.empty((len(points), 3)), np.empty(len(points))
+        for first in range(0, len(points), LANES):
+            some = points[first : first + LANES]
+            n = len(some)
+            for row, values in ((X, some[:, 0]), (Y, some[:, 1])):
+                lanes.numbers[row : row + n] = np.minimum(values, np.float32(1.0 - 2.0**-24))
+            warp_lanes(products, self.level, self._cells.morton, light, lanes, n)
+            x, y, z, density = (lanes.numbers[row : row + n] for row in (DX, DY, DZ, PDF))
+            directions[first : first + n] = np.stack([x, y, z], -1)
+            pdf[first : first + n] = density
+        return directions, pdf
 
     def pdf(self, directions):
         """The density of warp, float64 (n,), sr^-1, at unit directions (n, 3)."""

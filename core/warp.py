@@ -1,0 +1,180 @@
+"""The hierarchical warp of many points side by side [Clarberg05], from the root to the last texel.
+
+Points of several pixels stand in lanes: a step of the descent is a gather of each lane's four
+children, then the same arithmetic in all lanes, which compiles to vector instructions (1 ns a step
+and lane, where a point alone takes 8). So that it does, all numbers of the lanes are rows of one
+array at distances known to the compiler, in float32 and without branches.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ._jit import kernel
+from .environment import map_coordinates
+from .pyramid import level_offset, morton_to_row_column
+
+LANES = 256
+# Where the rows of Lanes.numbers begin: the children's weights, what is left of the point, the
+# direction, its density, its place in the environment's map.
+_A, _B, _C, _D = 0, LANES, 2 * LANES, 3 * LANES
+X, Y = 4 * LANES, 5 * LANES
+DX, DY, DZ, PDF = 6 * LANES, 7 * LANES, 8 * LANES, 9 * LANES
+U, V = 10 * LANES, 11 * LANES
+_ROWS = 12
+
+_ZERO, _HALF, _ONE, _TWO = np.float32(0.0), np.float32(0.5), np.float32(1.0), np.float32(2.0)
+_BELOW_ONE = np.float32(1.0 - 2.0**-24)
+_QUARTER_PI, _SQRT_HALF = np.float32(0.25 * math.pi), np.float32(math.sqrt(0.5))
+_TINY = np.float32(1e-30)
+
+
+class Lanes(NamedTuple):
+    """Room for LANES points on their way down.
+
+    numbers: float32 (rows * LANES,): X, Y, DX ... are where a row begins
+    cell, quadrant: int32 (LANES,), where a lane is, and where it goes
+    tree: int64 (LANES,), where the lane's product begins in the array of all products
+    point, sample: int32 (LANES,), the caller's: shading point and index of its sample
+    """
+
+    numbers: np.ndarray
+    cell: np.ndarray
+    quadrant: np.ndarray
+    tree: np.ndarray
+    point: np.ndarray
+    sample: np.ndarray
+
+
+def new_lanes() -> Lanes:
+    """Lanes with nothing in them."""
+    return Lanes(
+        np.zeros(_ROWS * LANES, np.float32),
+        np.zeros(LANES, np.int32),
+        np.zeros(LANES, np.int32),
+        np.zeros(LANES, np.int64),
+        np.zeros(LANES, np.int32),
+        np.zeros(LANES, np.int32),
+    )
+
+
+@kernel
+def _choose_children(numbers, quadrant, n):
+    """One step of the warp in every lane, split by rows first: quadrant and what is left of x, y.
+
+    A side without weight is never taken, whatever x and y were rounded to.
+    """
+    for s in range(n):
+        a, b, c, d = numbers[_A + s], numbers[_B + s], numbers[_C + s], numbers[_D + s]
+        top, bottom = a + b, c + d
+        y = numbers[Y + s] * (top + bottom)
+        low = (y >= top) & (bottom > _ZERO)
+        y = y - top if low else y
+        row = bottom if low else top
+        left = c if low else a
+        right = d if low else b
+        x = numbers[X + s] * row
+        far = (x >= left) & (right > _ZERO)
+        x = x - left if far else x
+        cell = right if far else left
+        numbers[X + s] = min(x / cell, _BELOW_ONE)
+        numbers[Y + s] = min(y / row, _BELOW_ONE)
+        quadrant[s] = np.int32((2 if low else 0) + (1 if far else 0))
+
+
+@kernel
+def _descend_products(products, level, lanes, n):
+    """From the root of each lane's product to a leaf of ``level`` (digit-reversed Morton order)."""
+    numbers, cell, tree = lanes.numbers, lanes.cell, lanes.tree
+    for s in range(n):
+        cell[s] = 0
+    for step in range(level):
+        m = np.int32(1 << (2 * step))
+        begin = level_offset(step + 1)
+        for s in range(n):
+            child = tree[s] + (begin + cell[s])
+            numbers[_A + s], numbers[_B + s] = products[child], products[child + m]
+            numbers[_C + s], numbers[_D + s] = products[child + 2 * m], products[child + 3 * m]
+        _choose_children(numbers, lanes.quadrant, n)
+        for s in range(n):
+            cell[s] += lanes.quadrant[s] * m
+
+
+@kernel
+def _descend_light(averages, level, levels, lanes, n):
+    """From a cell of ``level`` (Morton order) to one of the light's finest."""
+    numbers, cell = lanes.numbers, lanes.cell
+    for step in range(level, levels):
+        begin = level_offset(step + 1)
+        for s in range(n):
+            child = begin + 4 * np.int64(cell[s])
+            numbers[_A + s], numbers[_B + s] = averages[child], averages[child + 1]
+            numbers[_C + s], numbers[_D + s] = averages[child + 2], averages[child + 3]
+        _choose_children(numbers, lanes.quadrant, n)
+        for s in range(n):
+            cell[s] = 4 * cell[s] + lanes.quadrant[s]
+
+
+@kernel
+def _square_to_sphere(numbers, n):
+    """sphere_map.square_to_sphere in every lane, of the points that _to_square left in X and Y."""
+    for s in range(n):
+        u, v = _TWO * numbers[X + s] - _ONE, _TWO * numbers[Y + s] - _ONE
+        signed = _ONE - (abs(u) + abs(v))
+        r = _ONE - abs(signed)
+        # phi - pi / 4, in [-pi / 4, pi / 4]
+        t = _QUARTER_PI * ((abs(v) - abs(u)) / max(r, _TINY))
+        t2 = t * t
+        sine = np.float32(2.75573192e-6) * t2 + np.float32(-1.98412698e-4)
+        sine = sine * t2 + np.float32(8.33333333e-3)
+        sine = (sine * t2 + np.float32(-1.66666667e-1)) * t2 * t + t
+        cosine = np.float32(2.48015873e-5) * t2 + np.float32(-1.38888889e-3)
+        cosine = cosine * t2 + np.float32(4.16666667e-2)
+        cosine = (cosine * t2 - _HALF) * t2 + _ONE
+        radius = r * np.sqrt(max(_TWO - r * r, _ZERO)) * _SQRT_HALF
+        z = _ONE - r * r
+        numbers[DX + s] = math.copysign((cosine - sine) * radius, u)
+        numbers[DY + s] = math.copysign((cosine + sine) * radius, v)
+        numbers[DZ + s] = math.copysign(z, signed)
+
+
+@kernel
+def warp_lanes(products, level, morton, light, lanes, n):
+    """Warp the points (X, Y) of lanes 0 ... n - 1 to directions (DX, DY, DZ), with their PDF.
+
+    products: float32 (any,), the products of all points; lanes.tree: where each lane's begins; its
+    sum, the first number, must be above 0. morton: of the ProductCells of that level; light: the
+    LightPyramid below. PDF is in sr^-1.
+    """
+    numbers, cell = lanes.numbers, lanes.cell
+    averages, levels = light.averages, light.levels
+    _descend_products(products, level, lanes, n)
+    scale = np.float32((1 << (2 * level)) / (4.0 * math.pi))
+    leaves, above = level_offset(level), level_offset(level)
+    for s in range(n):
+        leaf = cell[s]
+        cell[s] = morton[leaf]
+        share = products[lanes.tree[s] + (leaves + leaf)] / products[lanes.tree[s]]
+        numbers[PDF + s] = scale * share / averages[above + cell[s]]
+    _descend_light(averages, level, levels, lanes, n)
+    finest = level_offset(levels)
+    inverse = np.float32(1.0 / (1 << levels))
+    for s in range(n):
+        row, column = morton_to_row_column(cell[s], levels)
+        numbers[X + s] = (np.float32(column) + numbers[X + s]) * inverse
+        numbers[Y + s] = (np.float32(row) + numbers[Y + s]) * inverse
+        numbers[PDF + s] *= averages[finest + np.int64(cell[s])]
+    _square_to_sphere(numbers, n)
+
+
+@kernel
+def fill_map_coordinates(lookup, lanes, n):
+    """U, V: where the environment's map holds the light from each lane's direction."""
+    numbers = lanes.numbers
+    for s in range(n):
+        numbers[U + s], numbers[V + s] = map_coordinates(
+            lookup, numbers[DX + s], numbers[DY + s], numbers[DZ + s]
+        )
