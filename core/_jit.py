@@ -85,16 +85,29 @@ def kernel(function=None, *, allocates=False, **options):
     """
     if function is None:
         return lambda wrapped: kernel(wrapped, allocates=allocates, **options)
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = _CACHE_DIR
-    try:
-        return numba.njit(
+    return _kept(
+        numba.njit(
             cache=True,
             nogil=True,
             error_model="numpy",
             fastmath=set(FAST_MATH),
             _nrt=allocates,
             **options,
-        )(function)
+        ),
+        function,
+    )
+
+
+def c_callback(signature):
+    """Compile a function that C code may call, in any thread and without Python: f.address."""
+    return lambda function: _kept(numba.cfunc(signature, cache=True), function)
+
+
+def _kept(compile_it, function):
+    """compile_it(function), its machine code in our folder."""
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = _CACHE_DIR
+    try:
+        return compile_it(function)
     finally:
         numba.config.CACHE_DIR = before

@@ -1,31 +1,51 @@
-"""Rays against triangles. The only file that knows Embree.
+"""Rays against triangles: the nearest hit, and whether there is any.
 
-What embreex 4.4 is like: float32 only; no near distance, so origins are moved off the surface here
-and nowhere else; the scene is committed by the first query, which is not safe in threads.
+Embree is called directly (embree.py, embree_rays.py); where its library is not found, embreex's
+Python layer stands in for it. Embree knows float32 only, and rays have no near distance here:
+origins are moved off the surface in this file and nowhere else.
 """
 
+from __future__ import annotations
+
+import ctypes
+import logging
+
 import numpy as np
-from embreex.mesh_construction import TriangleMesh as EmbreeMesh
-from embreex.rtcore_scene import EmbreeScene
 
 from ._jit import kernel
+from .embree import EmbreeScene
+from .embree_rays import NOTHING, Traversal, intersect_block, occluded_block
 from .scene import TriangleMesh
 from .terminator import lift_share
+from .watch import Cancelled
+
+log = logging.getLogger(__name__)
 
 MISS = -1
 
 
 class Accel:
-    """The bounding volume hierarchy of one mesh table; queries release the GIL."""
+    """The bounding volume hierarchy of one mesh table; queries release the GIL.
 
-    def __init__(self, mesh: TriangleMesh):
+    mesh: the table; offset: metres that a ray must start off its surface; traversal: for kernels
+    that trace rays themselves (embree_rays.py), while the Accel is held
+    """
+
+    def __init__(self, mesh: TriangleMesh, cancelled=lambda: False, threads: int = 0):
+        """Build it with so many threads, 0 = all. Raises Cancelled soon after ``cancelled``."""
         self.mesh = mesh
         self.offset = ray_offset(mesh.vertices)
-        self._scene = None
-        if len(mesh.triangles):
-            self._scene = EmbreeScene()
-            EmbreeMesh(self._scene, mesh.vertices, mesh.triangles)
-            self.occluded(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32))
+        self._scene, self.traversal = None, NOTHING
+        if len(mesh.triangles) == 0:
+            return
+        try:
+            self._scene = EmbreeScene(mesh.vertices, mesh.triangles, threads)
+        except OSError as error:
+            log.warning("IWIS: rays take the slow way, through embreex: %s", error)
+            self._scene = EmbreexScene(mesh.vertices, mesh.triangles)
+        if not self._scene.commit(cancelled) or cancelled():
+            raise Cancelled
+        self.traversal = self._scene.traversal()
 
     def intersect(self, origins: np.ndarray, directions: np.ndarray):
         """The nearest hits: (triangle int32 (n,), MISS where none; u, v float32 (n,)).
@@ -34,18 +54,64 @@ class Accel:
         third corner.
         """
         n = len(origins)
-        if self._scene is None or n == 0:
-            empty = np.zeros(n, np.float32)
-            return np.full(n, MISS, np.int32), empty, empty
-        hit = self._scene.run(origins, directions, query="INTERSECT", output=True)
-        return hit["primID"].astype(np.int32), hit["u"], hit["v"]
+        hits = np.empty(n, np.int32), np.empty(n, np.float32), np.empty(n, np.float32)
+        intersect_block(self.traversal, origins, directions, *hits)
+        return hits
 
-    def occluded(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
-        """bool (n,): whether anything lies on the ray. origins, directions: float32 (n, 3)."""
+    def occluded(self, origins: np.ndarray, directions: np.ndarray, out=None) -> np.ndarray:
+        """bool (n,): whether anything lies on the ray. origins, directions: float32 (n, 3).
+
+        out: bool (>= n,), written and returned as far as it was, instead of a new array
+        """
         n = len(origins)
-        if self._scene is None or n == 0:
-            return np.zeros(n, np.bool_)
-        return self._scene.run(origins, directions, query="OCCLUDED") == 0
+        out = np.empty(n, np.bool_) if out is None else out[:n]
+        occluded_block(self.traversal, origins, directions, n, out)
+        return out
+
+
+class EmbreexScene:
+    """EmbreeScene by way of embreex: Python functions that look like Embree's own.
+
+    It takes Python's lock for each packet of rays, and cannot be cancelled.
+    """
+
+    def __init__(self, vertices: np.ndarray, triangles: np.ndarray):
+        from embreex.mesh_construction import TriangleMesh as EmbreeMesh
+        from embreex.rtcore_scene import EmbreeScene as Scene
+
+        self._scene = Scene()
+        EmbreeMesh(self._scene, vertices, triangles)
+        word = ctypes.c_size_t
+        self._functions = (
+            ctypes.CFUNCTYPE(None, word, word, word)(lambda _, ray, __: self._occlude(ray, 1)),
+            ctypes.CFUNCTYPE(None, *[word] * 4)(lambda _, __, rays, ___: self._occlude(rays, 8)),
+            ctypes.CFUNCTYPE(None, word, word, word)(lambda _, ray, __: self._intersect(ray)),
+        )
+
+    def commit(self, cancelled) -> bool:
+        """embreex builds when it is first asked."""
+        self._scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32))
+        return True
+
+    def traversal(self) -> Traversal:
+        """See EmbreeScene."""
+        return Traversal(1, *(ctypes.cast(f, ctypes.c_void_p).value for f in self._functions))
+
+    def _occlude(self, place: int, width: int) -> None:
+        rays = _numbers_at(place, 12, width)
+        origins, directions = np.ascontiguousarray(rays[:3].T), np.ascontiguousarray(rays[4:7].T)
+        hit = self._scene.run(origins, directions, query="OCCLUDED") == 0
+        rays[8, hit] = -np.inf
+
+    def _intersect(self, place: int) -> None:
+        ray = _numbers_at(place, 18, 1)
+        found = self._scene.run(ray[:3].T, ray[4:7].T, query="INTERSECT", output=True)
+        ray[15], ray[16], ray.view(np.int32)[17] = found["u"], found["v"], found["primID"]
+
+
+def _numbers_at(place: int, rows: int, width: int) -> np.ndarray:
+    numbers = (ctypes.c_float * (rows * width)).from_address(place)
+    return np.frombuffer(numbers, np.float32).reshape(rows, width)
 
 
 def ray_offset(vertices: np.ndarray) -> float:

@@ -17,18 +17,18 @@ class RenderCache:
     """What is kept from one render to the next while its source stays the same object."""
 
     def __init__(self):
-        self._mesh: TriangleMesh | None = None
         self._accel: Accel | None = None
         self._environment: EnvironmentMap | None = None
         self._light: Light | None = None
         self._builder = TableBuilder()
 
-    def accel(self, mesh: TriangleMesh) -> Accel:
-        """The BVH of this mesh table, built unless it is the last one's."""
-        if self._accel is None or self._mesh is not mesh:
-            self._accel = None  # two hierarchies at once would double the peak
-            self._accel, self._mesh = Accel(mesh), mesh
-        return self._accel
+    def accel(self, mesh: TriangleMesh, cancelled=lambda: False, threads: int = 0) -> Accel:
+        """The BVH of this mesh table, built unless it is the last one's; see Accel."""
+        accel = self._accel
+        if accel is None or accel.mesh is not mesh:
+            self._accel = accel = None  # two hierarchies at once would double the peak
+            self._accel = accel = Accel(mesh, cancelled, threads)
+        return accel
 
     def light(self, environment: EnvironmentMap, threads: int, cancelled) -> Light:
         """The quadtree of this environment, built unless it is the last one's."""

@@ -18,8 +18,8 @@ class Cancelled(Exception):
 def watched(work, sink, stop, phase):
     """work(tell) in a thread of its own, while the sink is asked whether to stop; None if it was.
 
-    tell(fraction, text) passes progress on. Embree cannot be interrupted: a build that was
-    cancelled ends by itself, unseen.
+    tell(fraction, text) passes progress on. Nobody waits for work that was cancelled: it sees
+    ``stop`` and ends unseen.
     """
     box: dict = {}
     said = queue.SimpleQueue()
@@ -33,14 +33,18 @@ def watched(work, sink, stop, phase):
     thread = threading.Thread(target=run, name=f"iwis-{phase}", daemon=True)
     thread.start()
     sink.progress(Progress(phase=phase, fraction=0.0))
-    while thread.is_alive():
-        thread.join(POLL_SECONDS)
-        while not said.empty():
-            fraction, text = said.get()
-            sink.progress(Progress(phase=phase, fraction=fraction, text=text))
-        if sink.cancelled():
-            stop.set()
-            return None
+    try:
+        while thread.is_alive():
+            thread.join(POLL_SECONDS)
+            while not said.empty():
+                fraction, text = said.get()
+                sink.progress(Progress(phase=phase, fraction=fraction, text=text))
+            if sink.cancelled():
+                stop.set()
+                return None
+    except BaseException:  # the sink's: the work is not waited for either
+        stop.set()
+        raise
     if "error" in box:
         raise box["error"]
     return box["result"]

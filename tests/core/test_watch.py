@@ -85,3 +85,16 @@ def test_a_build_that_ends_by_cancel_is_no_error():
         raise Cancelled
 
     assert watched(work, _Sink(0), stop, "tables") is None
+
+
+def test_an_error_of_the_sink_stops_the_work():
+    """Nobody will ask for the result: the work hears of it, the error comes through."""
+    stop = threading.Event()
+
+    class Broken(_Sink):
+        def cancelled(self):
+            raise OSError("no display")
+
+    with pytest.raises(OSError, match="no display"):
+        watched(lambda tell: stop.wait(10.0), Broken(), stop, "bvh")
+    assert stop.is_set()

@@ -1,0 +1,193 @@
+"""Embree's own C interface: the hierarchy of a mesh, built so that it can be stopped.
+
+The library is the one in the wheel of embreex, whose Python layer is left out: it holds Python's
+lock while it builds, and costs half as much as a ray (docs/decisions/0007).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import functools
+import importlib.util
+import threading
+from pathlib import Path
+
+import numba
+import numpy as np
+
+from ._jit import c_callback
+from .embree_rays import Traversal
+
+# How soon a build hears of a cancel. Embree asks several thousand times a build.
+POLL_SECONDS = 0.01
+_NATIVE_PACKETS_OF_8 = 33  # RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
+# A ray through an edge hits one of its triangles (without: one in 20 slips through).
+_ROBUST = 4
+_INDEX, _VERTEX, _UINT3, _FLOAT3, _TRIANGLES = 0, 1, 0x5003, 0x9003, 0
+_OUT_OF_MEMORY, _CANCELLED = 4, 6
+_ERRORS = (
+    "none",
+    "unknown",
+    "argument",
+    "operation",
+    "memory",
+    "processor not supported",
+    "cancelled",
+)
+_SMALLEST_PAGE = 4096
+_HANDLE, _SIZE = ctypes.c_void_p, ctypes.c_size_t
+_SIGNATURES = {
+    "rtcNewDevice": (_HANDLE, [ctypes.c_char_p]),
+    "rtcReleaseDevice": (None, [_HANDLE]),
+    "rtcGetDeviceError": (ctypes.c_int, [_HANDLE]),
+    "rtcGetDeviceProperty": (ctypes.c_ssize_t, [_HANDLE, ctypes.c_int]),
+    "rtcNewScene": (_HANDLE, [_HANDLE]),
+    "rtcSetSceneFlags": (None, [_HANDLE, ctypes.c_int]),
+    "rtcCommitScene": (None, [_HANDLE]),
+    "rtcReleaseScene": (None, [_HANDLE]),
+    "rtcSetSceneProgressMonitorFunction": (None, [_HANDLE] * 3),
+    "rtcNewGeometry": (_HANDLE, [_HANDLE, ctypes.c_int]),
+    "rtcSetSharedGeometryBuffer": (
+        None,
+        [_HANDLE, ctypes.c_int, ctypes.c_uint, ctypes.c_int, _HANDLE, _SIZE, _SIZE, _SIZE],
+    ),
+    "rtcCommitGeometry": (None, [_HANDLE]),
+    "rtcAttachGeometry": (ctypes.c_uint, [_HANDLE, _HANDLE]),
+    "rtcReleaseGeometry": (None, [_HANDLE]),
+}
+
+
+@functools.cache
+def load_library() -> ctypes.CDLL:
+    """The libembree4 of the embreex wheel, else the system's. Raises OSError where none loads."""
+    problems = []
+    for path in _library_paths():
+        try:
+            library = ctypes.CDLL(str(path))
+            for name, (result, arguments) in _SIGNATURES.items():
+                function = getattr(library, name)
+                function.restype, function.argtypes = result, arguments
+            return library
+        except (OSError, AttributeError) as error:
+            problems.append(f"{path}: {error}")
+    raise OSError("Embree 4 does not load: " + ("; ".join(problems) or "no library found"))
+
+
+def _library_paths() -> list[Path | str]:
+    """Where wheels carry it: embreex.libs (Linux, Windows), embreex/.dylibs (macOS)."""
+    try:
+        spec = importlib.util.find_spec("embreex")
+    except ValueError:  # a module without a spec
+        spec = None
+    packages = [Path(folder) for folder in (spec and spec.submodule_search_locations) or ()]
+    folders = [p.parent / "embreex.libs" for p in packages] + [p / ".dylibs" for p in packages]
+    found = [path for folder in folders for path in sorted(folder.glob("*embree4*"))]
+    system = ctypes.util.find_library("embree4")
+    return [*found, system] if system else found
+
+
+@c_callback(numba.types.boolean(numba.types.CPointer(numba.types.uint8), numba.types.float64))
+def _go_on(stop, progress):
+    """RTCProgressMonitorFunction: whether to go on building. Needs no Python, so takes no lock."""
+    return stop[0] == 0
+
+
+class EmbreeScene:
+    """The hierarchy of one triangle mesh. It lives as long as the object, or until close()."""
+
+    def __init__(self, vertices: np.ndarray, triangles: np.ndarray, threads: int = 0):
+        """Ready to be committed. vertices: float32 (n, 3); triangles: int32 (m, 3), m > 0.
+
+        Both are read in place. Triangles with a corner that is not finite are never hit.
+        threads: how many may build; 0 = all. Raises MemoryError or RuntimeError.
+        """
+        self.handle = self._device = None
+        self._library = load_library()
+        self._arrays = _readable(vertices), triangles  # Embree reads them, and owns nothing
+        config = f"threads={threads}" if threads else ""
+        self._device = self._library.rtcNewDevice(config.encode())
+        self._check()
+        self.handle = self._library.rtcNewScene(self._device)
+        self._check()
+        self._library.rtcSetSceneFlags(self.handle, _ROBUST)
+        self._attach(*self._arrays)
+        self._check()
+
+    def _attach(self, vertices: np.ndarray, triangles: np.ndarray) -> None:
+        library = self._library
+        geometry = library.rtcNewGeometry(self._device, _TRIANGLES)
+        for kind, form, array in ((_VERTEX, _FLOAT3, vertices), (_INDEX, _UINT3, triangles)):
+            library.rtcSetSharedGeometryBuffer(
+                geometry, kind, 0, form, array.ctypes.data, 0, array.strides[0], len(array)
+            )
+        library.rtcCommitGeometry(geometry)
+        library.rtcAttachGeometry(self.handle, geometry)
+        library.rtcReleaseGeometry(geometry)  # the scene keeps it
+
+    def commit(self, cancelled=lambda: False) -> bool:
+        """Build the hierarchy in a thread of its own; whether it was finished.
+
+        ``cancelled`` is asked every 0.01 s, Python's lock is free. A build that was cancelled can
+        only be closed. Raises MemoryError or RuntimeError.
+        """
+        stop, ends = np.zeros(1, np.uint8), []
+        self._library.rtcSetSceneProgressMonitorFunction(
+            self.handle, _go_on.address, stop.ctypes.data
+        )
+
+        def build():
+            self._library.rtcCommitScene(self.handle)
+            ends.append(self._library.rtcGetDeviceError(self._device))  # kept for each thread
+
+        # Not a daemon: an interpreter that ends would free what Embree works on.
+        thread = threading.Thread(target=build, name="iwis-embree")
+        thread.start()
+        try:
+            while thread.is_alive():
+                thread.join(POLL_SECONDS)
+                stop[0] = stop[0] or cancelled()
+        finally:
+            stop[0] = 1
+            thread.join()
+            self._library.rtcSetSceneProgressMonitorFunction(self.handle, None, None)
+        if ends[0] != _CANCELLED:
+            self._check(ends[0])
+        return ends[0] != _CANCELLED
+
+    def traversal(self) -> Traversal:
+        """What kernels trace rays with, while this object lives."""
+        library = self._library
+        one, eight, nearest = (
+            ctypes.cast(getattr(library, name), _HANDLE).value
+            for name in ("rtcOccluded1", "rtcOccluded8", "rtcIntersect1")
+        )
+        native = library.rtcGetDeviceProperty(self._device, _NATIVE_PACKETS_OF_8)
+        return Traversal(self.handle, one, eight if native else 0, nearest)
+
+    def close(self) -> None:
+        """Free the hierarchy; it must not be asked any more."""
+        if self.handle:
+            self._library.rtcReleaseScene(self.handle)
+        if self._device:
+            self._library.rtcReleaseDevice(self._device)
+        self.handle = self._device = self._arrays = None
+
+    __del__ = close
+
+    def _check(self, code: int | None = None) -> None:
+        code = self._library.rtcGetDeviceError(self._device) if code is None else code
+        if code == _OUT_OF_MEMORY:
+            raise MemoryError(f"Embree: no memory for {len(self._arrays[1])} triangles")
+        if code:
+            raise RuntimeError(f"Embree: error {code} ({_ERRORS[code]})")
+
+
+def _readable(vertices: np.ndarray) -> np.ndarray:
+    """vertices, or a longer copy where 4 bytes beyond their end might be nobody's.
+
+    Embree reads the last vertex as 16 bytes. That is harmless within a page of memory.
+    """
+    if (vertices.ctypes.data + vertices.nbytes) % _SMALLEST_PAGE:
+        return vertices
+    return np.concatenate([vertices, np.zeros((1, 3), np.float32)])[:-1]

@@ -1,0 +1,203 @@
+"""Rays through Embree, from within kernels: a call by address, a ray on the stack.
+
+The addresses are run-time numbers, so that kernels stay in the disk cache. A ray, and a packet of
+rays of width w, is rows of w 32-bit numbers (Embree's rtcore_ray.h):
+
+    origin 0-2, tnear 3, direction 4-6, time 7, tfar 8, mask 9, id 10, flags 11    RTCRay
+    Ng 12-14, u 15, v 16, primID 17, geomID 18, instance 19 and up                 RTCHit
+
+An occluded ray comes back with tfar = -inf; primID stays as it was where nothing is hit.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from ._jit import kernel
+
+_ALIGNMENT = 64  # bytes; Embree asks for 32 under a packet of 8
+_WIDTH = 8
+_RAY = 12
+_RAY_HIT = 32  # 19, 2 for each level of instances, and room to spare
+_PACKET = _RAY * _WIDTH
+_FOREVER = np.float32(np.inf)
+_ZERO = np.float32(0.0)
+_ALL = np.uint32(0xFFFFFFFF)  # every bit of a mask; a lane in use; no triangle
+
+
+class Traversal(NamedTuple):
+    """What a kernel needs to trace rays through one hierarchy: handles and addresses, all int.
+
+    It keeps nothing alive: the Accel that made it must be held as long.
+
+    scene: RTCScene; 0 = no triangle at all
+    occluded1, occluded8, intersect1: where these functions of Embree begin; occluded8 is 0 where
+        the processor has no registers for 8 rays
+    """
+
+    scene: int
+    occluded1: int
+    occluded8: int
+    intersect1: int
+
+
+NOTHING = Traversal(0, 0, 0, 0)
+
+
+@intrinsic
+def _call(typing_context, function, words):
+    """Call the C function at an address, void f(size_t, ...), with a tuple of words."""
+
+    def generate(context, builder, signature, arguments):
+        given = cgutils.unpack_tuple(builder, arguments[1])
+        declared = ir.FunctionType(ir.VoidType(), [word.type for word in given])
+        builder.call(builder.inttoptr(arguments[0], declared.as_pointer()), given)
+        return context.get_dummy_value()
+
+    return types.void(types.intp, types.UniTuple(types.intp, len(words))), generate
+
+
+@intrinsic(prefer_literal=True)
+def _stack(typing_context, n_floats):
+    """The address of a constant number of floats on the stack, aligned for Embree."""
+    count = n_floats.literal_value
+
+    def generate(context, builder, signature, arguments):
+        with builder.goto_entry_block():
+            place = builder.alloca(ir.ArrayType(ir.FloatType(), count))
+            place.align = _ALIGNMENT
+        return builder.ptrtoint(place, context.get_value_type(types.intp))
+
+    return types.intp(n_floats), generate
+
+
+@intrinsic
+def _put(typing_context, place, value):
+    """Write a float32 or uint32 to an address."""
+
+    def generate(context, builder, signature, arguments):
+        pointer = builder.inttoptr(arguments[0], arguments[1].type.as_pointer())
+        builder.store(arguments[1], pointer, align=4)
+        return context.get_dummy_value()
+
+    return types.void(types.intp, value), generate
+
+
+def _reader(numba_type):
+    @intrinsic
+    def read(typing_context, place):
+        """Read a number from an address."""
+
+        def generate(context, builder, signature, arguments):
+            word = context.get_value_type(numba_type)
+            return builder.load(builder.inttoptr(arguments[0], word.as_pointer()), align=4)
+
+        return numba_type(types.intp), generate
+
+    return read
+
+
+_get_float, _get_int = _reader(types.float32), _reader(types.int32)
+
+
+@kernel(forceinline=True)
+def _put_ray(lane, row, o, d, k):
+    """Write ray k to one lane of a packet whose rows are so many bytes long; the ends are free."""
+    _put(lane, np.float32(o[k, 0]))
+    _put(lane + row, np.float32(o[k, 1]))
+    _put(lane + 2 * row, np.float32(o[k, 2]))
+    _put(lane + 4 * row, np.float32(d[k, 0]))
+    _put(lane + 5 * row, np.float32(d[k, 1]))
+    _put(lane + 6 * row, np.float32(d[k, 2]))
+    _put(lane + 8 * row, _FOREVER)
+
+
+@kernel(forceinline=True)
+def _put_constants(lane, row):
+    """Write what all rays have in common."""
+    _put(lane + 3 * row, _ZERO)
+    _put(lane + 7 * row, _ZERO)
+    _put(lane + 9 * row, _ALL)
+    _put(lane + 10 * row, _ZERO)
+    _put(lane + 11 * row, _ZERO)
+
+
+@kernel(forceinline=True)
+def occluded_one(traversal, origins, directions, k):
+    """Whether anything lies on ray k. origins, directions: float32 (> k, 3), world space."""
+    if traversal.scene == 0:
+        return False
+    ray = _stack(_RAY)
+    _put_constants(ray, 4)
+    _put_ray(ray, 4, origins, directions, k)
+    _call(traversal.occluded1, (traversal.scene, ray, 0))
+    return _get_float(ray + 32) < _ZERO
+
+
+@kernel(forceinline=True)
+def _same_origin(origins, a, b):
+    return (
+        origins[a, 0] == origins[b, 0]
+        and origins[a, 1] == origins[b, 1]
+        and origins[a, 2] == origins[b, 2]
+    )
+
+
+@kernel(forceinline=True)
+def _occluded_packets(traversal, origins, directions, n, out):
+    row = 4 * _WIDTH
+    packet, valid = _stack(_PACKET), _stack(_WIDTH)
+    for lane in range(_WIDTH):
+        _put_constants(packet + 4 * lane, row)
+        _put_ray(packet + 4 * lane, row, origins, directions, 0)
+    k = 0
+    while k < n:
+        size = 0
+        while size < _WIDTH and k + size < n and _same_origin(origins, k, k + size):
+            _put_ray(packet + 4 * size, row, origins, directions, k + size)
+            _put(valid + 4 * size, _ALL)
+            size += 1
+        for lane in range(size, _WIDTH):
+            _put(valid + 4 * lane, _ZERO)
+        _call(traversal.occluded8, (valid, traversal.scene, packet, 0))
+        for lane in range(size):
+            out[k + lane] = _get_float(packet + 8 * row + 4 * lane) < _ZERO
+        k += size
+
+
+@kernel
+def occluded_block(traversal, origins, directions, n, out):
+    """Write to out, bool (>= n,), whether anything lies on the first n rays, float32 (>= n, 3).
+
+    Rays of one origin that follow each other go through the hierarchy together.
+    """
+    if n > 0 and traversal.occluded8 != 0:
+        _occluded_packets(traversal, origins, directions, n, out)
+        return
+    for k in range(n):
+        out[k] = occluded_one(traversal, origins, directions, k)
+
+
+@kernel
+def intersect_block(traversal, origins, directions, triangle, u, v):
+    """Write the nearest hits: triangle int32 (n,), -1 = none; u, v float32 (n,).
+
+    origins, directions: float32 (n, 3), world space
+    """
+    ray = _stack(_RAY_HIT)
+    _put_constants(ray, 4)
+    for k in range(len(origins)):
+        _put_ray(ray, 4, origins, directions, k)
+        _put(ray + 60, _ZERO)
+        _put(ray + 64, _ZERO)
+        _put(ray + 68, _ALL)  # no triangle
+        _put(ray + 72, _ALL)
+        if traversal.scene != 0:
+            _call(traversal.intersect1, (traversal.scene, ray, 0))
+        triangle[k], u[k], v[k] = _get_int(ray + 68), _get_float(ray + 60), _get_float(ray + 64)
