@@ -14,13 +14,21 @@ from pathlib import Path
 
 import bpy
 import part_error
+import part_pictures
+import part_rays
+import part_threads
 import scenes
 from configurations import FULL, QUICK, SCENES, base_settings
 from part_error import Bench
 from run_cycles import quiet, use_cycles
 from run_iwis import IwisRun, export_open_file
 
-PARTS = {"error": part_error.measure}
+PARTS = {
+    "error": part_error.measure,
+    "rays": part_rays.measure,
+    "threads": part_threads.measure,
+    "pictures": part_pictures.measure,
+}
 
 
 def main() -> None:
@@ -36,6 +44,7 @@ def main() -> None:
         effort=QUICK if options.quick else FULL,
         threads=options.threads,
         folder=options.folder,
+        pictures=options.pictures,
         mitsuba=options.mitsuba,
         renew=options.renew,
     )
@@ -57,7 +66,7 @@ def parse():
     parser.add_argument("--renew", action="store_true")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--mitsuba", type=Path)
-    parser.add_argument("--pictures", type=Path)
+    parser.add_argument("--pictures", type=Path, required=True)
     return parser.parse_args()
 
 

@@ -71,24 +71,24 @@ class Effort(NamedTuple):
     reference_samples: of one of the pictures that are averaged
     ray_samples, thread_samples: fixed counts of the parts rays and threads
     picture_error: the error that IWIS' picture has where all get its CPU time
-    check_samples: of Cycles' picture for the difference image
+    check_seconds: of CPU, of a picture of Cycles for the difference image
     """
 
     render_seconds: dict
     reference_seconds: dict
     repeats: int = 3
-    short_seconds: float = 3.0
+    short_seconds: float = 1.5
     reference_noise: float = 0.004
     reference_samples: int = 1024
     ray_samples: int = 32
     thread_samples: int = 64
     picture_error: float = 0.07
-    check_samples: int = 512
+    check_seconds: float = 20.0
 
 
 FULL = Effort(
-    render_seconds={"iwis": 12.0, "core": 8.0, "cycles": 50.0, "mitsuba": 20.0},
-    reference_seconds={"iwis": 80.0, "mitsuba": 50.0},
+    render_seconds={"iwis": 12.0, "core": 8.0, "cycles": 40.0, "mitsuba": 20.0},
+    reference_seconds={"iwis": 60.0, "mitsuba": 30.0},
 )
 QUICK = Effort(
     render_seconds={"iwis": 1.0, "core": 1.0, "cycles": 4.0, "mitsuba": 1.0},
@@ -100,7 +100,7 @@ QUICK = Effort(
     ray_samples=8,
     thread_samples=8,
     picture_error=0.15,
-    check_samples=32,
+    check_seconds=1.0,
 )
 
 

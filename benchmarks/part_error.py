@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +26,8 @@ class Bench(NamedTuple):
     """One scene to measure on.
 
     name: of the scene; scene: open in bpy; run: run_iwis.IwisRun of its export
-    folder: of results; mitsuba: Python that has it, or None; renew: make the references anew
+    folder, pictures: of results, of JPEGs; mitsuba: Python that has it, or None
+    renew: make the references anew
     """
 
     name: str
@@ -33,8 +35,9 @@ class Bench(NamedTuple):
     run: object
     effort: Effort
     threads: int
-    folder: object
-    mitsuba: object | None
+    folder: Path
+    pictures: Path
+    mitsuba: Path | None
     renew: bool
 
     def kept_reference(self, renderer: str, renderers: Renderers, mask) -> Converged:

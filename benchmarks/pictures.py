@@ -1,4 +1,4 @@
-"""Arrays to PNG, for the eye."""
+"""Arrays to PNG and JPEG, for the eye."""
 
 from __future__ import annotations
 
@@ -46,3 +46,25 @@ def save_png(path: Path, *panels, zoom: int = 1) -> None:
         image.save()
     finally:
         bpy.data.images.remove(image)
+
+
+def save_jpeg(path: Path, *panels, names, height: int = 360, most_bytes: int = 110_000) -> None:
+    """Write pictures as save_png(), each with its name above, no larger than most_bytes.
+
+    height: of a picture in pixels, about: pixels are shown as squares of a whole side
+    """
+    from PIL import Image, ImageDraw  # comes with matplotlib, the extra "bench"
+
+    zoom = max(1, height // panels[0].shape[0])
+    rgb = np.concatenate(panels, axis=1)[::-1].repeat(zoom, axis=0).repeat(zoom, axis=1)
+    picture = Image.fromarray((rgb * 255.0 + 0.5).astype(np.uint8))
+    sheet = Image.new("RGB", (picture.width, picture.height + 16), "white")
+    sheet.paste(picture, (0, 16))
+    draw, x = ImageDraw.Draw(sheet), 0
+    for panel, name in zip(panels, names, strict=True):
+        draw.text((x + 4, 2), name, fill="black")
+        x += panel.shape[1] * zoom
+    for quality in range(92, 20, -6):
+        sheet.save(path, quality=quality, subsampling=0)
+        if path.stat().st_size <= most_bytes:
+            return

@@ -40,6 +40,27 @@ def error_curves(scenes: dict, path: Path, title) -> None:
     save(figure, path)
 
 
+def scaling_curves(found: dict, path: Path) -> None:
+    """CPU seconds against pixels, samples, triangles and the HDRI's width."""
+    panels = {
+        "pixels": ("side of the picture", {"cpu": "sampling"}),
+        "samples": ("samples a pixel", {"cpu": "sampling"}),
+        "triangles": ("triangles", {"cpu": "sampling", "bvh_cpu": "BVH"}),
+        "hdri": (
+            "width of the HDRI",
+            {"cpu": "sampling", "prepare_cpu": "preparing", "again_cpu": "preparing again"},
+        ),
+    }
+    figure, axes = pyplot.subplots(2, 2, figsize=(9, 6.5))
+    for axis, (name, (text, series)) in zip(axes.flat, panels.items(), strict=True):
+        sizes = [row["value"] for row in found[name]]
+        for key, legend in series.items():
+            axis.plot(sizes, [row[key] for row in found[name]], "-o", markersize=3, label=legend)
+        label(axis, name, text, "CPU seconds")
+        axis.legend(fontsize=7)
+    save(figure, path)
+
+
 def label(axis, title: str, x: str, y: str) -> None:
     """Titles, log scales, a grid."""
     axis.set_title(title, fontsize=10)

@@ -5,16 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import plots
-import tables
 from configurations import EDGE_RADIUS_PX, SCENES
-
-TITLES = {
-    "statue_diffuse": "Diffuse statue",
-    "statue_glossy": "Glossy statue",
-    "foliage": "Foliage",
-    "interior": "Interior",
-}
+from sections import SECTIONS, of_part
 
 
 def write(folder: Path, page: Path, pictures: Path) -> None:
@@ -22,7 +14,7 @@ def write(folder: Path, page: Path, pictures: Path) -> None:
     results = read(folder)
     link = pictures.relative_to(page.parent).as_posix()
     lines = head(results)
-    for section in (error_section,):
+    for section in SECTIONS:
         lines += section(results, pictures, link)
     page.write_text("\n".join(lines).rstrip() + "\n")
 
@@ -34,20 +26,6 @@ def read(folder: Path) -> dict[str, dict]:
     return dict(
         sorted(found.items(), key=lambda item: order.get(item[0].split(".")[0], len(order)))
     )
-
-
-def of_part(results: dict, part: str) -> dict[str, dict]:
-    """scene -> results of a part."""
-    return {
-        name.rpartition(".")[0]: found
-        for name, found in results.items()
-        if name.rpartition(".")[2] == part and "." in name
-    }
-
-
-def title(scene: str) -> str:
-    """What a scene is called in headings."""
-    return TITLES.get(scene, scene)
 
 
 def head(results: dict) -> list[str]:
@@ -70,45 +48,6 @@ def head(results: dict) -> list[str]:
         f"- Commit {machine.get('commit')}; {spent / 60.0:.0f} minutes in all",
         "- CPU seconds are user + system time of sampling, all threads; medians of runs by turns",
         "- Error: mean relative error (MRE) of luminance over object pixels brighter than .1 % of",
-        f"  the mean; pixels with an edge within {EDGE_RADIUS_PX:g} px of their centre are left out",
+        f"  the mean; pixels with an edge within {EDGE_RADIUS_PX:g} px of their centre left out",
         "",
     ]
-
-
-def error_section(results, pictures, link) -> list[str]:
-    """Tables of cost, tables at equal samples, plots."""
-    scenes = of_part(results, "error")
-    if not scenes:
-        return []
-    plots.error_curves(scenes, pictures / "bench_error.png", title)
-    lines = ["## Error against CPU time", "", f"![Error against time]({link}/bench_error.png)", ""]
-    lines += [
-        "`noise`: the reference's own error is more than a quarter of that; `≈`: the curve goes on",
-        "as it ended; `>`: not reached; `Cycles / it`: how many times as long Cycles takes.",
-        "",
-    ]
-    for name, scene in scenes.items():
-        lines += [f"### {title(name)}", "", _about(scene), "", *tables.cost_table(scene), ""]
-    lines += ["## The stop rules at equal mean counts", ""]
-    for name, scene in scenes.items():
-        lines += [f"### {title(name)}", "", *tables.equal_samples_table(scene), ""]
-    return lines
-
-
-def _about(scene) -> str:
-    reference = scene["reference"]
-    text = (
-        f"{scene['width']}x{scene['height']}, {scene['triangles']:,} triangles; "
-        f"{scene['measured_pixels']:,} of {scene['object_pixels']:,} object pixels measured, "
-        f"{scene['edge_pixels']:,} have an edge at the centre. Reference: IWIS UNBIASED, "
-        f"{reference['samples']:,} samples, own error {reference['noise']:.2%} "
-        f"(commit {reference['commit']})."
-    )
-    own = scene.get("mitsuba_reference")
-    if own:
-        text += (
-            f" Mitsuba's BSDF is another: its error is against its own picture of "
-            f"{own['samples']:,} samples (own error {own['noise']:.2%}), which differs from the "
-            f"reference by {own['difference']:.1%}."
-        )
-    return f"{text} Load before: {scene['load']:.1f}."

@@ -9,6 +9,7 @@ bends shadow rays near the horizon of coarse smooth meshes, is off: it is not wh
 from __future__ import annotations
 
 import argparse
+import functools
 import math
 from pathlib import Path
 
@@ -19,7 +20,6 @@ from mathutils import Vector
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER, HDRIS = ROOT / "out" / "benchmarks", ROOT / "sample_blends" / "hdri"
 STONE, SOIL, LEAF, STEEL = (0.7, 0.68, 0.63), (0.30, 0.22, 0.14), (0.22, 0.42, 0.12), (0.5,) * 3
-GOLD = (0.8, 0.55, 0.3)
 
 
 def new_scene(hdri: str, turn_deg: float, size: tuple[int, int]):
@@ -270,11 +270,10 @@ def interior(*, size=(256, 192)):
     return scene
 
 
+gold = functools.partial(principled, (0.8, 0.55, 0.3), 0.3, 1.0)
 SCENES = {
     "statue_diffuse": lambda **given: statue(lambda: diffuse(STONE), **given),
-    "statue_glossy": lambda **given: statue(
-        lambda: principled(GOLD, 0.3, 1.0), hdri="workshop", **given
-    ),
+    "statue_glossy": lambda **given: statue(gold, hdri="workshop", **given),
     "foliage": foliage,
     "interior": interior,
 }

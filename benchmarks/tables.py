@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from configurations import CONFIGURATIONS, CYCLES, DEFAULT, FIXED, TARGETS
 from metrics import cost_at, cost_beyond, error_at
 
@@ -32,6 +33,15 @@ class Curve:
             return found, seconds(found)
         found = cost_beyond(target, cpu, mre)
         return found, f"≈ {seconds(found)}" if found else f"> {seconds(max(cpu))}"
+
+    def value_for(self, cpu: float) -> float:
+        """The knob's value that takes so many CPU seconds, in log-log; the ends go on linearly."""
+        costs, values = self.column("cpu"), self.column("value")
+        log_cost, log_value = np.log(costs), np.log(values)
+        inside = np.exp(np.interp(np.log(cpu), log_cost, log_value))
+        grows = 1.0 if values[-1] > values[0] else -0.5
+        beyond = cpu / costs[-1] if cpu > costs[-1] else min(1.0, cpu / costs[0])
+        return float(inside * beyond**grows)
 
     def at_samples(self, name: str, count: float) -> float | None:
         """A figure at a mean count of samples."""

@@ -1,0 +1,173 @@
+"""Part "scaling": cost against pixels, samples, triangles and the HDRI's size.
+
+    python benchmarks/bench_scaling.py FOLDER [--quick]      all: writes FOLDER/scaling.json
+    python benchmarks/bench_scaling.py --case CASE VALUE      one, as JSON: a process of its own
+
+Each case runs in a process of its own, for its memory is measured. One thread, fixed count.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import gc
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import ball
+import numpy as np
+from configurations import base_settings
+from machine import load
+
+from iwis.core.film import Film
+from iwis.core.render import RenderCache, render
+from iwis.core.stats import peak_memory_bytes
+
+SIDE, SAMPLES, TRIANGLES, WIDTH = 256, 32, 100_000, 512
+REPEATS = 3
+FULL = {
+    "pixels": (64, 128, 256, 512),
+    "samples": (4, 16, 64, 256),
+    "triangles": (10_000, 100_000, 1_000_000, 10_000_000),
+    "hdri": (512, 1024, 2048, 4096, 8192),
+}
+QUICK = {
+    "pixels": (32, 64),
+    "samples": (4, 16),
+    "triangles": (10_000, 100_000),
+    "hdri": (512, 1024),
+}
+
+
+def main() -> None:
+    """One case or all."""
+    parser = argparse.ArgumentParser(description="Measure how the cost grows.")
+    parser.add_argument("folder", nargs="?", type=Path)
+    parser.add_argument("--case", nargs=2, metavar=("CASE", "VALUE"))
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--threads", type=int, help="not used: one thread")
+    parser.add_argument("--pictures", type=Path, help="not used")
+    options = parser.parse_args()
+    if options.case:
+        name, value = options.case
+        print(json.dumps(CASES[name](int(value))))
+        return
+    start = time.perf_counter()
+    wanted = QUICK if options.quick else FULL
+    found = {
+        name: [{"value": value} | _in_own_process(name, value) for value in values]
+        for name, values in wanted.items()
+    }
+    found |= {"load": load(), "seconds": time.perf_counter() - start}
+    (options.folder / "scaling.json").write_text(json.dumps(found, indent=1))
+
+
+def _in_own_process(name: str, value: int) -> dict:
+    command = [sys.executable, __file__, "--case", name, str(value)]
+    return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+
+
+def of_pixels(side: int) -> dict:
+    """Sampling of a picture of side x side."""
+    scene = ball.scene(ball.ball(TRIANGLES), ball.environment(WIDTH), side)
+    return _each(_sampling(scene, SAMPLES), side * side * SAMPLES)
+
+
+def of_samples(count: int) -> dict:
+    """Sampling at a count."""
+    scene = ball.scene(ball.ball(TRIANGLES), ball.environment(WIDTH), SIDE // 2)
+    return _each(_sampling(scene, count), (SIDE // 2) ** 2 * count)
+
+
+def of_triangles(count: int) -> dict:
+    """Memory of the table and of the BVH, seconds of the BVH, sampling."""
+    _warm()
+    before = resident_bytes()
+    mesh = ball.ball(count)
+    gc.collect()
+    table = sum(getattr(mesh, name).nbytes for name in mesh.__slots__)
+    with_mesh = resident_bytes()
+    cache, cpu, wall = RenderCache(), time.process_time(), time.perf_counter()
+    cache.accel(mesh)
+    found = {
+        "triangles": len(mesh.triangles),
+        "table_bytes": table,
+        "bvh_bytes": resident_bytes() - with_mesh,
+        "resident_bytes": resident_bytes() - before,
+        "bvh_cpu": time.process_time() - cpu,
+        "bvh_wall": time.perf_counter() - wall,
+    }
+    scene = ball.scene(mesh, ball.environment(WIDTH), SIDE)
+    return found | _sampling(scene, SAMPLES, cache)
+
+
+def of_hdri(width: int) -> dict:
+    """Preparing an HDRI that has not been seen, then again, and sampling.
+
+    prepare: CPU and wall seconds; peak_bytes: the most memory of it, beside the image's own
+    """
+    _warm()
+    seed = time.time_ns() % (1 << 31)  # so that nothing of it is kept from an earlier run
+    light = ball.environment(width, seed)
+    scene = ball.scene(ball.ball(TRIANGLES), light, SIDE)
+    cache, before, peak = RenderCache(), resident_bytes(), peak_memory_bytes()
+    cache.accel(scene.mesh)
+    stats = _render(scene, cache, 1)
+    rose = peak_memory_bytes()
+    found = {
+        "prepare_cpu": stats.cpu_seconds["tables"],
+        "prepare_wall": stats.seconds["tables"],
+        "image_bytes": light.radiance.nbytes,
+        # While the peak is still that of making the image, it is an upper bound.
+        "peak_bytes": rose - before,
+        "peak_is_bound": rose == peak,
+    }
+    again = _render(ball.scene(scene.mesh, ball.environment(width, seed), SIDE), RenderCache(), 1)
+    found["again_cpu"] = again.cpu_seconds["tables"]
+    return found | _sampling(scene, SAMPLES, cache)
+
+
+CASES = {
+    "pixels": of_pixels,
+    "samples": of_samples,
+    "triangles": of_triangles,
+    "hdri": of_hdri,
+}
+
+
+def _each(found: dict, samples: int) -> dict:
+    """With the seconds of one sample, the whole picture counted."""
+    return found | {"each": found["cpu"] / samples}
+
+
+def _sampling(scene, count: int, cache: RenderCache | None = None) -> dict:
+    cache = cache or RenderCache()
+    _render(scene, cache, count)
+    cpu = [_render(scene, cache, count).cpu_seconds["sampling"] for _ in range(REPEATS)]
+    return {"cpu": float(np.median(cpu))}
+
+
+def _render(scene, cache, count):
+    settings = dataclasses.replace(base_settings(1), stop_rule="FIXED", max_samples=count)
+    return render(scene, settings, Film(scene.camera.region), cache)
+
+
+def _warm() -> None:
+    """Load all kernels and libraries, so that their memory and time are not counted."""
+    scene = ball.scene(ball.ball(1000), ball.environment(WIDTH), 32)
+    _render(scene, RenderCache(), 4)
+    gc.collect()
+
+
+def resident_bytes() -> int:
+    """Of this process now."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")
+
+
+if __name__ == "__main__":
+    main()
