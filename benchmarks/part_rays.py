@@ -1,8 +1,8 @@
 """Part "rays": CPU of a whole render over that of its shadow rays alone.
 
-The rays are recorded in one render and replayed through embreex as it is (EmbreeScene.run), in the
-same order and the same batches. One thread; render and replay by turns, so that both see the same
-machine.
+The rays are recorded in one render and replayed in the same order and the same batches: through
+embreex as it is (EmbreeScene.run), and through Accel.occluded(), the product's own way to Embree.
+One thread; render and replays by turns, so that all see the same machine.
 """
 
 from __future__ import annotations
@@ -31,11 +31,10 @@ class Recorded(NamedTuple):
 class RecordingAccel(Accel):
     """An Accel that keeps what it is asked."""
 
-    def __init__(self, mesh):
+    def __init__(self, mesh, *more, **named):
         self.shadow: list[Recorded] = []
         self.primary: list[Recorded] = []
-        super().__init__(mesh)
-        self.shadow.clear()  # the ray that builds the hierarchy
+        super().__init__(mesh, *more, **named)
 
     def intersect(self, origins, directions, *more, **named):
         """See Accel."""
@@ -55,10 +54,10 @@ class _RecordingCache(RenderCache):
         super().__init__()
         self.recorder = None
 
-    def accel(self, mesh):
+    def accel(self, mesh, *more, **named):
         """The recording Accel of a mesh."""
         if self.recorder is None:
-            self.recorder = RecordingAccel(mesh)
+            self.recorder = RecordingAccel(mesh, *more, **named)
         return self.recorder
 
 
@@ -77,39 +76,48 @@ def record(run: IwisRun, **changes) -> RecordingAccel:
     return recorder
 
 
-def replay(scene: EmbreeScene, batches: list[Recorded], query: str) -> float:
-    """CPU seconds that embreex alone takes for the rays."""
+def replay(trace, batches: list[Recorded]) -> float:
+    """CPU seconds of trace(origins, directions) for all batches."""
     start = time.process_time()
     for batch in batches:
         if len(batch.origins):
-            scene.run(batch.origins, batch.directions, query=query, output=query == "INTERSECT")
+            trace(batch.origins, batch.directions)
     return time.process_time() - start
 
 
 def measure(bench) -> dict:
-    """Seconds of render, shadow rays and primary rays for IWIS' fixed count, for JSON."""
+    """Seconds of render, shadow rays and camera rays for IWIS' fixed count, for JSON."""
     changes = {"stop_rule": "FIXED", "max_samples": bench.effort.ray_samples}
     recorder = record(bench.run, **changes)
     mesh = bench.run.scene.mesh
     embree = EmbreeScene()
     EmbreeMesh(embree, mesh.vertices, mesh.triangles)
-    replay(embree, recorder.shadow[:1], "OCCLUDED")
+    accel = bench.run.cache.accel(mesh)
+    ways = {
+        "shadow": (lambda o, d: embree.run(o, d, query="OCCLUDED"), recorder.shadow),
+        "shadow_own": (accel.occluded, recorder.shadow),
+        "primary": (accel.intersect, recorder.primary),
+    }
+    for trace, batches in ways.values():  # commits the scene, loads the kernels
+        replay(trace, batches[:1])
     bench.run.render(threads=1, **changes)
     rows = []
     for _ in range(REPEATS):
         _, stats = bench.run.render(threads=1, **changes)
-        shadow = replay(embree, recorder.shadow, "OCCLUDED")
-        primary = replay(embree, recorder.primary, "INTERSECT")
-        rows.append((stats.cpu_seconds["sampling"], shadow, primary))
-    total, shadow, primary = np.median(rows, axis=0)
-    ratios = [row[0] / row[1] for row in rows]
-    return {
-        "samples": bench.effort.ray_samples,
-        "shadow_rays": sum(len(batch.origins) for batch in recorder.shadow),
-        "primary_rays": sum(len(batch.origins) for batch in recorder.primary),
-        "total": float(total),
-        "shadow": float(shadow),
-        "primary": float(primary),
-        "ratio": float(np.median(ratios)),
-        "ratios": ratios,
+        times = {name: replay(*way) for name, way in ways.items()}
+        rows.append({"total": stats.cpu_seconds["sampling"]} | times)
+    found = {name: float(np.median([row[name] for row in rows])) for name in rows[0]}
+    ratios = {
+        name: float(np.median([row["total"] / row[shadow] for row in rows]))
+        for name, shadow in (("ratio", "shadow"), ("ratio_own", "shadow_own"))
     }
+    return (
+        found
+        | ratios
+        | {
+            "samples": bench.effort.ray_samples,
+            "shadow_rays": sum(len(batch.origins) for batch in recorder.shadow),
+            "primary_rays": sum(len(batch.origins) for batch in recorder.primary),
+            "rows": rows,
+        }
+    )
