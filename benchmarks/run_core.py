@@ -19,7 +19,7 @@ from iwis.core.lobes import Lobes, setup_lobes
 from iwis.core.render import tile_rects
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import Scene
-from iwis.core.sequence import halton_points, point_shifts
+from iwis.core.sequence import common_points, pixel_sequence
 from iwis.core.settings import RenderSettings
 from iwis.core.shading import ShadingPoints, params_at, shading_points
 
@@ -58,7 +58,7 @@ class CoreRun:
             )
         camera = self._scene.camera
         rgb = np.zeros((camera.height, camera.width, 3))
-        points = halton_points(count)
+        points = common_points(count, "PIXEL")
 
         def work(rect):
             x, y, width, height = rect
@@ -95,14 +95,12 @@ class CoreRun:
 
     def _block(self, points, lobes, rows, rect, method, sequence, seed):
         count, offset = len(sequence), self._accel.offset
-        shifts = point_shifts(points, rect[:3], seed, "PIXEL")
+        own = pixel_sequence(sequence, points.pixel, rect[:3], seed, "PIXEL")
         if method == "wis":
-            sampler = reference.make_wis(points, lobes, rows, self._tables, shifts, count, offset)
+            sampler = reference.make_wis(points, lobes, rows, self._tables, own, count, offset)
         else:
             share = SHARES[method]
-            sampler = reference.MixtureSampler(
-                points, lobes, self._light, share, shifts, sequence, offset
-            )
+            sampler = reference.MixtureSampler(points, lobes, self._light, share, own, offset)
         settings = RenderSettings(stop_rule="FIXED", max_samples=count, threads=1)
         sums, _ = sample_points(sampler, len(points.pixel), self._accel, settings)
         return (sums.diffuse + sums.glossy) / count

@@ -23,6 +23,7 @@ from .paper_products import (
     new_integral_scratch,
 )
 from .paper_tables import N_PARTS, PaperTables
+from .sequence import PixelSequence, sequence_point
 from .shading import ShadingPoints
 from .sphere_map import square_to_hemisphere
 
@@ -50,7 +51,7 @@ def _sample_point(tables, products, trees, weights, p, x, y):
 
 @kernel
 def _sample_round(
-    tables, products, trees, points, shifts, sequence, weights, offset, active, first, count, rays
+    tables, products, trees, points, sequence, weights, offset, active, first, count, rays
 ):
     """Rays that leave the surface; those below it are occluded, which needs no ray.
 
@@ -60,8 +61,7 @@ def _sample_round(
     for a in range(len(active)):
         p = active[a]
         for k in range(first, first + count):
-            x, y = sequence[k, 0] + shifts.x[p], sequence[k, 1] + shifts.y[p]
-            x, y = x - np.floor(x), y - np.floor(y)
+            x, y = sequence_point(sequence, p, k)
             dx, dy, dz = _sample_point(tables, products, trees, weights, p, x, y)
             wx, wy, wz = np.float32(dx), np.float32(dy), np.float32(dz)
             if not start_shadow_ray(points, p, wx, wy, wz, False, offset, rays.origins, n):
@@ -78,8 +78,7 @@ def _sample_round(
 class PaperSampler:
     """Sparse product sampling of the points of one tile (incremental.Sampler).
 
-    rows: int32 (n,), material of each point; sequence: float64 (count, 2), Halton points (for WIS:
-    Hammersley points)
+    rows: int32 (n,), material of each point
     """
 
     def __init__(
@@ -88,13 +87,12 @@ class PaperSampler:
         lobes: Lobes,
         rows: np.ndarray,
         tables: PaperTables,
-        shifts,
-        sequence: np.ndarray,
+        sequence: PixelSequence,
         offset: float,
     ):
         n = len(points.pixel)
         self._points, self._tables = points, tables
-        self._shifts, self._sequence, self._offset = shifts, sequence, np.float32(offset)
+        self._sequence, self._offset = sequence, np.float32(offset)
         self.products = Products(
             np.zeros(n, np.int32),
             np.full((n, N_PARTS), -1, np.int32),
@@ -126,7 +124,6 @@ class PaperSampler:
             self.products,
             self._trees,
             self._points,
-            self._shifts,
             self._sequence,
             self._weights,
             self._offset,

@@ -19,7 +19,7 @@ from .light_rays import Light, write_ray
 from .lobes import Lobes
 from .paper import PaperSampler
 from .pyramid import level_offset, morton_to_row_column, pdf_light
-from .sequence import sample_number, shifted_point
+from .sequence import PixelSequence, sample_number, sequence_point, to_bits
 from .shading import ShadingPoints
 from .sphere_map import square_to_sphere
 
@@ -72,16 +72,14 @@ def sample_light(averages, levels, x, y):
 
 
 @kernel
-def _sample_round(
-    points, lobes, light, share, shifts, sequence, offset, active, first, count, rays
-):
+def _sample_round(points, lobes, light, share, sequence, offset, active, first, count, rays):
     averages, levels = light.pyramid.averages, light.pyramid.levels
     n = 0
     for a in range(len(active)):
         p = active[a]
         at = lobes_at(lobes, p)
         for k in range(first, first + count):
-            x, y = shifted_point(sequence, shifts, p, k)
+            x, y = sequence_point(sequence, p, k)
             if x < share:
                 wx, wy, wz, _ = sample_at(at, np.float32(x / share), np.float32(y))
                 dx, dy, dz = np.float64(wx), np.float64(wy), np.float64(wz)
@@ -94,7 +92,7 @@ def _sample_round(
                 share * np.float64(pdf_at(at, wx, wy, wz)) + (1.0 - share) * from_light
             )
             radiance = eval_environment(light.lookup, wx, wy, wz)
-            u = sample_number(shifts, p, k)
+            u = sample_number(sequence, p, k)
             n = write_ray(at, points, light, p, (wx, wy, wz), radiance, pdf, u, offset, rays, n)
     return n
 
@@ -111,12 +109,11 @@ class MixtureSampler:
         lobes: Lobes,
         light: Light,
         share: float,
-        shifts,
-        sequence: np.ndarray,
+        sequence: PixelSequence,
         offset: float,
     ):
         self._points, self._lobes, self._light, self._share = points, lobes, light, float(share)
-        self._shifts, self._sequence, self._offset = shifts, sequence, np.float32(offset)
+        self._sequence, self._offset = sequence, np.float32(offset)
 
     def lit(self) -> np.ndarray:
         """See incremental.Sampler."""
@@ -133,7 +130,6 @@ class MixtureSampler:
             self._lobes,
             self._light,
             self._share,
-            self._shifts,
             self._sequence,
             self._offset,
             active,
@@ -144,10 +140,14 @@ class MixtureSampler:
 
 
 def hammersley_points(count: int) -> np.ndarray:
-    """float64 (count, 2): k / count and the radical inverse of k: good for this count only."""
-    return np.array([((k + 0.5) / count, radical_inverse_2(k)) for k in range(count)])
+    """uint32 (count, 2): k / count and the radical inverse of k: good for this count only."""
+    return to_bits(np.array([((k + 0.5) / count, radical_inverse_2(k)) for k in range(count)]))
 
 
-def make_wis(points, lobes, rows, tables, shifts, count: int, offset: float) -> PaperSampler:
-    """Wavelet importance sampling: the paper's product with ``count`` Hammersley points."""
-    return PaperSampler(points, lobes, rows, tables, shifts, hammersley_points(count), offset)
+def make_wis(points, lobes, rows, tables, sequence, count: int, offset: float) -> PaperSampler:
+    """Wavelet importance sampling: the paper's product with ``count`` Hammersley points.
+
+    sequence: its shifts are used (decorrelation PIXEL or NONE)
+    """
+    hammersley = sequence._replace(points=hammersley_points(count))
+    return PaperSampler(points, lobes, rows, tables, hammersley, offset)

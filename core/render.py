@@ -25,7 +25,7 @@ from .paper import PaperSampler
 from .paper_tables import PaperTables
 from .render_cache import RenderCache
 from .scene import Scene
-from .sequence import halton_points, point_shifts
+from .sequence import common_points, pixel_sequence
 from .settings import RenderSettings
 from .shading import ShadingPoints, params_at, shading_points
 from .stats import RenderStats
@@ -46,7 +46,7 @@ class _Job:
     accel: Accel
     light: Light
     tables: PaperTables | None
-    halton: np.ndarray
+    sequence: np.ndarray
     stop: threading.Event
 
 
@@ -81,7 +81,8 @@ def render(
     stats.cancelled = stop.is_set()
     if stats.cancelled:
         return stats
-    job = _Job(scene, settings, accel, light, tables, halton_points(settings.max_samples), stop)
+    sequence = common_points(settings.max_samples, settings.point_set)
+    job = _Job(scene, settings, accel, light, tables, sequence, stop)
     with stats.phase("sampling"):
         _render_tiles(job, threads, sink, stats)
     return stats
@@ -253,7 +254,8 @@ def _sample_in_blocks(job: _Job, points, lobes, rows, tile) -> tuple[PixelSums, 
 
 def _make_sampler(job: _Job, points: ShadingPoints, lobes: Lobes, rows, tile) -> Sampler:
     settings, offset = job.settings, job.accel.offset
-    shifts = point_shifts(points, tile, settings.seed, settings.decorrelation)
+    kind = settings.point_set
+    sequence = pixel_sequence(job.sequence, points.pixel, tile, settings.seed, kind)
     if settings.estimator == "PAPER":
-        return PaperSampler(points, lobes, rows, job.tables, shifts, job.halton, offset)
-    return UnbiasedSampler(points, lobes, job.light, shifts, job.halton, offset)
+        return PaperSampler(points, lobes, rows, job.tables, sequence, offset)
+    return UnbiasedSampler(points, lobes, job.light, sequence, offset)

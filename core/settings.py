@@ -8,7 +8,7 @@ from dataclasses import dataclass
 ESTIMATORS = ("PAPER", "UNBIASED")
 STOP_RULES = ("PAPER", "FIXED")
 PIXEL_FILTERS = ("CENTER",)
-DECORRELATIONS = ("PIXEL", "NONE")
+DECORRELATIONS = ("OWEN", "PIXEL", "NONE")
 
 # Bounds, shared by Blender's sliders, the command line and the checks: name -> (low, high).
 LIMITS = {
@@ -39,9 +39,10 @@ class RenderSettings:
     stop_rule: PAPER (e_d <= E) or FIXED (max_samples everywhere)
     coefficients: fraction of the Haar coefficients that the paper's tables keep
     pixel_filter: CENTER, one shading point at the pixel's centre
-    decorrelation: PIXEL (Halton points shifted by a hash of pixel and seed) or NONE, as printed in
-        the paper
-    seed: changes every shift
+    decorrelation: what makes the points of two pixels differ: OWEN (Sobol's sequence, scrambled by
+        a hash of pixel and seed; estimator PAPER takes PIXEL instead), PIXEL (Halton's, shifted by
+        it) or NONE (Halton's, as printed in the paper)
+    seed: changes every scramble and shift
     threads: worker threads, 0 = as many as cores; never more than four a core
     tile_px: side of a tile in pixels; pictures do not depend on it
     cache_dir: folder of the tables; empty = the user's cache folder
@@ -54,7 +55,7 @@ class RenderSettings:
     stop_rule: str = "PAPER"
     coefficients: float = 0.05
     pixel_filter: str = "CENTER"
-    decorrelation: str = "PIXEL"
+    decorrelation: str = "OWEN"
     seed: int = 0
     threads: int = 0
     tile_px: int = 32
@@ -72,6 +73,12 @@ class RenderSettings:
             value = getattr(self, name)
             if value not in choices:
                 raise ValueError(f"setting {name}: {value!r} is none of {', '.join(choices)}")
+
+    @property
+    def point_set(self) -> str:
+        """decorrelation as the estimator has it: the paper's points are Halton's."""
+        halton = self.estimator == "PAPER" and self.decorrelation == "OWEN"
+        return "PIXEL" if halton else self.decorrelation
 
     @classmethod
     def from_strings(cls, pairs: dict[str, str]) -> RenderSettings:

@@ -19,7 +19,7 @@ from .light_rays import Light, write_ray
 from .lobes import DIFFUSE_LOBE, Lobes
 from .product import NARROW_LEVEL, WIDE_LEVEL, build_product, choose_level, pdf_product
 from .pyramid import level_offset
-from .sequence import PointShifts, sample_number, shifted_point
+from .sequence import PixelSequence, sample_number, scramble
 from .shading import ShadingPoints
 from .sphere_map import sphere_to_square
 from .warp import (
@@ -42,7 +42,7 @@ from .warp import (
 _DEFENSIVE, _MIRROR = 0.02, 0.88
 # A lobe this narrow spans about one 64^2 cell.
 _CELL_ALPHA = 0.03
-_ONE, _BELOW_ONE = np.float32(1.0), np.float32(1.0 - 2.0**-24)
+_ZERO, _ONE, _BELOW_ONE = np.float32(0.0), np.float32(1.0), np.float32(1.0 - 2.0**-24)
 
 
 class _Task(NamedTuple):
@@ -56,21 +56,34 @@ class _Task(NamedTuple):
     light: Light
     trees: np.ndarray
     levels: np.ndarray
-    shifts: PointShifts
-    halton: np.ndarray
+    sequence: PixelSequence
     offset: np.float32
 
 
 class _Work(NamedTuple):
     """What the samples of a round pass through: the lanes, and those of them that follow the BSDF.
 
+    bits: uint32 (4 LANES,), rows of points and of their scrambles; share: float32 (LANES,), beta
     follows: int32 (LANES,), lanes; x, y: float32 (LANES,), their points
     """
 
     lanes: Lanes
+    bits: np.ndarray
+    share: np.ndarray
     follows: np.ndarray
     x: np.ndarray
     y: np.ndarray
+
+
+def _new_work() -> _Work:
+    return _Work(
+        new_lanes(),
+        np.zeros(4 * LANES, np.uint32),
+        np.zeros(LANES, np.float32),
+        np.zeros(LANES, np.int32),
+        np.zeros(LANES, np.float32),
+        np.zeros(LANES, np.float32),
+    )
 
 
 @kernel(forceinline=True)
@@ -94,24 +107,42 @@ def _build_products(lobes, light, trees, levels):
 
 
 @kernel(forceinline=True)
-def _fill_lanes(task, p, first, last, work, n, n_follows):
-    """Put samples first ... last - 1 of point p into the lanes from n on; returns n_follows."""
-    lanes, numbers = work.lanes, work.lanes.numbers
-    share = bsdf_share(task.lobes.kind[p], task.lobes.alpha[p])
+def _fill_lanes(task, p, first, last, work, n):
+    """Put samples first ... last - 1 of point p into the lanes from n on."""
+    lanes, bits, sequence = work.lanes, work.bits, task.sequence
+    share = np.float32(bsdf_share(task.lobes.kind[p], task.lobes.alpha[p]))
     tree = np.int64(p) * task.trees.shape[1]
     for k in range(first, last):
-        x, y = shifted_point(task.halton, task.shifts, p, k)
-        if x < share:
-            x /= share
-            work.follows[n_follows] = n
-            work.x[n_follows], work.y[n_follows] = x, y
-            n_follows += 1
-        else:
-            x = (x - share) / (1.0 - share)
-        numbers[X + n] = min(np.float32(x), _BELOW_ONE)
-        numbers[Y + n] = min(np.float32(y), _BELOW_ONE)
-        lanes.tree[n], lanes.point[n], lanes.sample[n] = tree, p, k
+        bits[n], bits[LANES + n] = sequence.points[k, 0], sequence.points[k, 1]
+        bits[2 * LANES + n], bits[3 * LANES + n] = sequence.x[p], sequence.y[p]
+        work.share[n], lanes.tree[n], lanes.point[n], lanes.sample[n] = share, tree, p, k
         n += 1
+
+
+@kernel
+def _place_points(bits, scrambled, numbers, n):
+    """X, Y of the lanes from their bits: 24 of them, which a float32 can hold."""
+    unit, eight = np.float32(2.0**-24), np.uint32(8)
+    for s in range(n):
+        x, y = bits[s], bits[LANES + s]
+        by_x, by_y = bits[2 * LANES + s], bits[3 * LANES + s]
+        x = scramble(x, by_x) if scrambled else np.uint32(x + by_x)
+        y = scramble(y, by_y) if scrambled else np.uint32(y + by_y)
+        numbers[X + s] = np.float32(np.int32(x >> eight)) * unit
+        numbers[Y + s] = np.float32(np.int32(y >> eight)) * unit
+
+
+@kernel
+def _part_lanes(work, n):
+    """Note the lanes that follow the BSDF, stretch the others over the square; how many follow."""
+    numbers, n_follows = work.lanes.numbers, 0
+    for s in range(n):
+        x, share = numbers[X + s], work.share[s]
+        if x < share:
+            work.follows[n_follows] = s
+            work.x[n_follows], work.y[n_follows] = min(x / share, _BELOW_ONE), numbers[Y + s]
+            n_follows += 1
+        numbers[X + s] = min(max(x - share, _ZERO) / (_ONE - share), _BELOW_ONE)
     return n_follows
 
 
@@ -129,10 +160,12 @@ def _follow_bsdf(task, products, level, work, n_follows):
 
 
 @kernel
-def _write_lanes(task, level, work, n, n_follows, rays, m):
+def _write_lanes(task, level, work, n, rays, m):
     """Warp lanes 0 ... n - 1 and write those that carry light as rays from m on; the next m."""
     light, lanes, numbers = task.light, work.lanes, work.lanes.numbers
     products = task.trees.reshape(-1)
+    _place_points(work.bits, task.sequence.scrambled, numbers, n)
+    n_follows = _part_lanes(work, n)
     morton = light.narrow.morton if level == NARROW_LEVEL else light.wide.morton
     warp_lanes(products, level, morton, light.pyramid, lanes, n)
     _follow_bsdf(task, products, level, work, n_follows)
@@ -141,12 +174,12 @@ def _write_lanes(task, level, work, n, n_follows, rays, m):
     while s < n:
         p = lanes.point[s]
         at = lobes_at(task.lobes, p)
-        share = np.float32(bsdf_share(at.kind, at.alpha))
+        share = work.share[s]
         while s < n and lanes.point[s] == p:
             wi = numbers[DX + s], numbers[DY + s], numbers[DZ + s]
             pdf = share * pdf_at(at, *wi) + (_ONE - share) * numbers[PDF + s]
             radiance = eval_map(light.lookup, numbers[U + s], numbers[V + s])
-            u = sample_number(task.shifts, p, lanes.sample[s])
+            u = sample_number(task.sequence, p, lanes.sample[s])
             m = write_ray(at, task.points, light, p, wi, radiance, pdf, u, task.offset, rays, m)
             s += 1
     return m
@@ -158,23 +191,23 @@ def _sample_round(task, work, active, first, count, rays):
 
     Lanes are filled over the borders of points, and emptied where the products' level changes.
     """
-    m, n, n_follows, level = 0, 0, 0, WIDE_LEVEL
+    m, n, level = 0, 0, WIDE_LEVEL
     for a in range(len(active)):
         p, k = active[a], first
         while k < first + count:
             if n == LANES or task.levels[p] != level:
-                m = _write_lanes(task, level, work, n, n_follows, rays, m)
-                n, n_follows, level = 0, 0, task.levels[p]
+                m = _write_lanes(task, level, work, n, rays, m)
+                n, level = 0, task.levels[p]
             take = min(first + count - k, LANES - n)
-            n_follows = _fill_lanes(task, p, k, k + take, work, n, n_follows)
+            _fill_lanes(task, p, k, k + take, work, n)
             n, k = n + take, k + take
-    return _write_lanes(task, level, work, n, n_follows, rays, m)
+    return _write_lanes(task, level, work, n, rays, m)
 
 
 class UnbiasedSampler:
     """Product sampling of the points of one tile (incremental.Sampler).
 
-    halton: float64 (count, 2); offset: metres that a shadow ray starts off its surface
+    offset: metres that a shadow ray starts off its surface
     """
 
     def __init__(
@@ -182,8 +215,7 @@ class UnbiasedSampler:
         points: ShadingPoints,
         lobes: Lobes,
         light: Light,
-        shifts: PointShifts,
-        halton: np.ndarray,
+        sequence: PixelSequence,
         offset: float,
     ):
         n = len(points.pixel)
@@ -192,13 +224,8 @@ class UnbiasedSampler:
         size = level_offset((NARROW_LEVEL if glossy else WIDE_LEVEL) + 1)
         trees = np.empty((n, size), np.float32)
         _build_products(lobes, light, trees, levels)
-        self._task = _Task(points, lobes, light, trees, levels, shifts, halton, np.float32(offset))
-        self._work = _Work(
-            new_lanes(),
-            np.empty(LANES, np.int32),
-            np.empty(LANES, np.float32),
-            np.empty(LANES, np.float32),
-        )
+        self._task = _Task(points, lobes, light, trees, levels, sequence, np.float32(offset))
+        self._work = _new_work()
 
     def lit(self) -> np.ndarray:
         """See incremental.Sampler."""

@@ -6,10 +6,9 @@ import pytest
 from iwis.core.environment import eval_environment_many
 from iwis.core.paper import PaperSampler
 from iwis.core.paper_tables import TableBuilder
-from iwis.core.sequence import halton_points
 from iwis.core.settings import RenderSettings
 from support.naive import integrate_diffuse, integrate_glossy
-from support.samplers import all_rays, no_shifts, pixel_points
+from support.samplers import all_rays, pixel_points, plain_sequence
 from support.scenes import (
     camera_at,
     diffuse,
@@ -43,8 +42,7 @@ def _sampler(scene, folder, coefficients=0.05, count=16):
         pixels.lobes,
         pixels.rows,
         tables,
-        no_shifts(n),
-        halton_points(count),
+        plain_sequence(n, count),
         pixels.accel.offset,
     )
     return sampler, pixels, light

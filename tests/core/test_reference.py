@@ -16,11 +16,10 @@ from iwis.core.reference import (
     pdf_light,
     sample_light,
 )
-from iwis.core.sequence import halton_points
 from iwis.core.settings import RenderSettings
 from iwis.core.sphere_map import sphere_grid
 from support.naive import radical_inverse
-from support.samplers import no_shifts, pixel_points, random_shifts
+from support.samplers import pixel_points, plain_sequence, random_sequence
 from support.scenes import (
     camera_above,
     constant_world,
@@ -74,8 +73,7 @@ def test_mean_is_the_true_integral(kind, world, material, rng):
         pixels.lobes,
         light_of(scene.environment),
         SHARES[kind],
-        random_shifts(rng, n),
-        halton_points(count),
+        random_sequence(rng, n, count),
         pixels.accel.offset,
     )
     settings = RenderSettings(max_samples=count, batch_size=64, stop_rule="FIXED")
@@ -109,17 +107,18 @@ def test_light_sampling_follows_the_light(ground, rng):
 
 def test_hammersley_points_are_hammersleys():
     """k / N, from the middle of its interval, and the radical inverse of k."""
-    points = hammersley_points(10)
-    np.testing.assert_allclose(points[:, 0], (np.arange(10) + 0.5) / 10)
-    np.testing.assert_allclose(points[:, 1], [radical_inverse(k, 2) for k in range(10)])
+    points = hammersley_points(10) / 2.0**32
+    np.testing.assert_allclose(points[:, 0], (np.arange(10) + 0.5) / 10, atol=2.0**-32)
+    np.testing.assert_allclose(
+        points[:, 1], [radical_inverse(k, 2) for k in range(10)], atol=2.0**-32
+    )
 
 
 def test_black_points_and_worlds_get_no_sample():
     """Nothing to reflect, or nothing that shines."""
     scene = make_scene([floor()], [diffuse((0, 0, 0))], gradient_world(), camera_above(2, 2))
     pixels = pixel_points(scene)
-    shifts, points = no_shifts(4), halton_points(4)
-    arguments = (MIS_SAMPLING, shifts, points, pixels.accel.offset)
+    arguments = (MIS_SAMPLING, plain_sequence(4, 4), pixels.accel.offset)
     for world in (gradient_world(), constant_world((0, 0, 0))):
         sampler = MixtureSampler(pixels.points, pixels.lobes, light_of(world), *arguments)
         assert not sampler.lit().any()
@@ -132,9 +131,9 @@ def test_wis_is_the_papers_product_with_its_own_points(table_dir, rng):
     light = light_of(scene.environment)
     settings = RenderSettings(cache_dir=table_dir, max_samples=64, stop_rule="FIXED")
     tables = TableBuilder().tables(light.lookup, scene.materials, settings, 1)
-    shifts = random_shifts(rng, 16)
+    sequence = random_sequence(rng, 16, 64)
     sampler = make_wis(
-        pixels.points, pixels.lobes, pixels.rows, tables, shifts, 64, pixels.accel.offset
+        pixels.points, pixels.lobes, pixels.rows, tables, sequence, 64, pixels.accel.offset
     )
     sums, _ = sample_points(sampler, 16, pixels.accel, settings)
     mean = (sums.diffuse + sums.glossy) / 64

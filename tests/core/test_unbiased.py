@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from iwis.core.sequence import halton_points, point_shifts
 from iwis.core.unbiased import UnbiasedSampler
-from support.samplers import all_rays, no_shifts, pixel_points
+from support.samplers import all_rays, pixel_points, plain_sequence
 from support.scenes import (
     camera_above,
     diffuse,
@@ -55,28 +54,6 @@ def test_without_occluders_nothing_is_lost():
     assert stats.shadow_rays == layers["visibility"].sum() * 32
 
 
-def test_shifts_belong_to_pixels_not_to_tiles():
-    """The same pixel of the frame, in another tile: the same shift; other pixels, others."""
-    scene = varied_scene()
-    whole = pixel_points(scene).points
-    shifts = point_shifts(whole, (0, 0, 40), 7, "PIXEL")
-    part = pixel_points(varied_scene(region=(10, 6, 30, 20))).points
-    moved = point_shifts(part, (10, 6, 20), 7, "PIXEL")
-    frame = (6 + part.pixel // 20) * 40 + 10 + part.pixel % 20
-    where = np.searchsorted(whole.pixel, frame)
-    np.testing.assert_array_equal(moved.x, shifts.x[where])
-    np.testing.assert_array_equal(moved.y, shifts.y[where])
-    assert len(np.unique(shifts.x)) > 0.99 * len(shifts.x)
-    assert not np.array_equal(point_shifts(whole, (0, 0, 40), 8, "PIXEL").x, shifts.x)
-    none = point_shifts(whole, (0, 0, 40), 7, "NONE")
-    assert not none.x.any() and not none.y.any()
-
-
-def test_halton_points_are_the_tables_beginning():
-    """A larger MAX begins with the same samples."""
-    np.testing.assert_array_equal(halton_points(100)[:24], halton_points(24))
-
-
 def test_rays_leave_the_surface_with_light():
     """Every ray starts off its face on the viewer's side, goes up, and carries finite light."""
     scene = varied_scene()
@@ -86,8 +63,7 @@ def test_rays_leave_the_surface_with_light():
         pixels.points,
         pixels.lobes,
         light_of(scene.environment),
-        no_shifts(n),
-        halton_points(16),
+        plain_sequence(n, 16),
         pixels.accel.offset,
     )
     lit = sampler.lit()

@@ -8,7 +8,7 @@ from iwis.core.accel import Accel
 from iwis.core.camera import camera_rays
 from iwis.core.incremental import RayBatch, new_rays
 from iwis.core.lobes import Lobes, setup_lobes
-from iwis.core.sequence import PointShifts
+from iwis.core.sequence import PixelSequence, common_points
 from iwis.core.shading import ShadingPoints, params_at, shading_points
 
 
@@ -35,14 +35,16 @@ def pixel_points(scene) -> PixelPoints:
     return PixelPoints(points, lobes, rows, accel)
 
 
-def random_shifts(rng, n) -> PointShifts:
-    """Independent shifts: one replicate a point."""
-    return PointShifts(rng.random(n), rng.random(n))
+def random_sequence(rng, n, count, decorrelation="PIXEL") -> PixelSequence:
+    """Independent shifts or scrambles of ``count`` points: one replicate a shading point."""
+    x, y = (rng.integers(0, 1 << 32, n, dtype=np.uint32) for _ in range(2))
+    return PixelSequence(common_points(count, decorrelation), x, y, decorrelation == "OWEN")
 
 
-def no_shifts(n) -> PointShifts:
-    """The points as they are."""
-    return PointShifts(np.zeros(n), np.zeros(n))
+def plain_sequence(n, count) -> PixelSequence:
+    """Halton's points as they are."""
+    zeros = np.zeros(n, np.uint32)
+    return PixelSequence(common_points(count, "NONE"), zeros, zeros, False)
 
 
 def all_rays(sampler, active: np.ndarray, count: int) -> RayBatch:
