@@ -31,15 +31,15 @@ class Accel:
     that trace rays themselves (embree_rays.py), while the Accel is held
     """
 
-    def __init__(self, mesh: TriangleMesh, cancelled=lambda: False, threads: int = 0):
-        """Build it with so many threads, 0 = all. Raises Cancelled soon after ``cancelled``."""
+    def __init__(self, mesh: TriangleMesh, cancelled=lambda: False):
+        """Build it, on all processors. Raises Cancelled soon after ``cancelled`` says so."""
         self.mesh = mesh
         self.offset = ray_offset(mesh.vertices)
         self._scene, self.traversal = None, NOTHING
         if len(mesh.triangles) == 0:
             return
         try:
-            self._scene = EmbreeScene(mesh.vertices, mesh.triangles, threads)
+            self._scene = EmbreeScene(mesh.vertices, mesh.triangles)
         except OSError as error:
             log.warning("IWIS: rays take the slow way, through embreex: %s", error)
             self._scene = EmbreexScene(mesh.vertices, mesh.triangles)

@@ -96,17 +96,17 @@ def _go_on(stop, progress):
 class EmbreeScene:
     """The hierarchy of one triangle mesh. It lives as long as the object, or until close()."""
 
-    def __init__(self, vertices: np.ndarray, triangles: np.ndarray, threads: int = 0):
+    def __init__(self, vertices: np.ndarray, triangles: np.ndarray):
         """Ready to be committed. vertices: float32 (n, 3); triangles: int32 (m, 3), m > 0.
 
         Both are read in place. Triangles with a corner that is not finite are never hit.
-        threads: how many may build; 0 = all. Raises MemoryError or RuntimeError.
+        Raises OSError where there is no library, MemoryError or RuntimeError.
         """
         self.handle = self._device = None
         self._library = load_library()
         self._arrays = _readable(vertices), triangles  # Embree reads them, and owns nothing
-        config = f"threads={threads}" if threads else ""
-        self._device = self._library.rtcNewDevice(config.encode())
+        # Not "threads=N": it would bind all users of TBB in the process, Blender's too.
+        self._device = self._library.rtcNewDevice(b"")
         self._check()
         self.handle = self._library.rtcNewScene(self._device)
         self._check()

@@ -107,14 +107,14 @@ _get_float, _get_int = _reader(types.float32), _reader(types.int32)
 
 
 @kernel(forceinline=True)
-def _put_ray(lane, row, o, d, k):
-    """Write ray k to one lane of a packet whose rows are so many bytes long; the ends are free."""
-    _put(lane, np.float32(o[k, 0]))
-    _put(lane + row, np.float32(o[k, 1]))
-    _put(lane + 2 * row, np.float32(o[k, 2]))
-    _put(lane + 4 * row, np.float32(d[k, 0]))
-    _put(lane + 5 * row, np.float32(d[k, 1]))
-    _put(lane + 6 * row, np.float32(d[k, 2]))
+def _put_ray(lane, row, ox, oy, oz, dx, dy, dz):
+    """Write a ray to one lane of a packet whose rows are so many bytes long."""
+    _put(lane, np.float32(ox))
+    _put(lane + row, np.float32(oy))
+    _put(lane + 2 * row, np.float32(oz))
+    _put(lane + 4 * row, np.float32(dx))
+    _put(lane + 5 * row, np.float32(dy))
+    _put(lane + 6 * row, np.float32(dz))
     _put(lane + 8 * row, _FOREVER)
 
 
@@ -129,45 +129,49 @@ def _put_constants(lane, row):
 
 
 @kernel(forceinline=True)
-def occluded_one(traversal, origins, directions, k):
-    """Whether anything lies on ray k. origins, directions: float32 (> k, 3), world space."""
+def occluded_one(traversal, ox, oy, oz, dx, dy, dz):
+    """Whether anything lies on the ray from (ox, oy, oz) along (dx, dy, dz), world space."""
     if traversal.scene == 0:
         return False
     ray = _stack(_RAY)
     _put_constants(ray, 4)
-    _put_ray(ray, 4, origins, directions, k)
+    _put_ray(ray, 4, ox, oy, oz, dx, dy, dz)
     _call(traversal.occluded1, (traversal.scene, ray, 0))
     return _get_float(ray + 32) < _ZERO
 
 
 @kernel(forceinline=True)
-def _same_origin(origins, a, b):
-    return (
-        origins[a, 0] == origins[b, 0]
-        and origins[a, 1] == origins[b, 1]
-        and origins[a, 2] == origins[b, 2]
-    )
+def _same_start(o, a, b):
+    return o[a, 0] == o[b, 0] and o[a, 1] == o[b, 1] and o[a, 2] == o[b, 2]
+
+
+@kernel(forceinline=True)
+def _fill_packet(packet, valid, o, d, k, n):
+    """Put ray k and those after it that start where it starts into a packet; returns how many."""
+    size = 0
+    while size < _WIDTH and k < n and (size == 0 or _same_start(o, k - 1, k)):
+        lane = packet + 4 * size
+        _put_ray(lane, 4 * _WIDTH, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
+        _put(valid + 4 * size, _ALL)
+        size += 1
+        k += 1
+    for unused in range(size, _WIDTH):
+        _put(valid + 4 * unused, _ZERO)
+    return size
 
 
 @kernel(forceinline=True)
 def _occluded_packets(traversal, origins, directions, n, out):
-    row = 4 * _WIDTH
     packet, valid = _stack(_PACKET), _stack(_WIDTH)
     for lane in range(_WIDTH):
-        _put_constants(packet + 4 * lane, row)
-        _put_ray(packet + 4 * lane, row, origins, directions, 0)
+        _put_constants(packet + 4 * lane, 4 * _WIDTH)
+        _put_ray(packet + 4 * lane, 4 * _WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
     k = 0
     while k < n:
-        size = 0
-        while size < _WIDTH and k + size < n and _same_origin(origins, k, k + size):
-            _put_ray(packet + 4 * size, row, origins, directions, k + size)
-            _put(valid + 4 * size, _ALL)
-            size += 1
-        for lane in range(size, _WIDTH):
-            _put(valid + 4 * lane, _ZERO)
+        size = _fill_packet(packet, valid, origins, directions, k, n)
         _call(traversal.occluded8, (valid, traversal.scene, packet, 0))
         for lane in range(size):
-            out[k + lane] = _get_float(packet + 8 * row + 4 * lane) < _ZERO
+            out[k + lane] = _get_float(packet + 4 * (8 * _WIDTH + lane)) < _ZERO
         k += size
 
 
@@ -177,11 +181,12 @@ def occluded_block(traversal, origins, directions, n, out):
 
     Rays of one origin that follow each other go through the hierarchy together.
     """
-    if n > 0 and traversal.occluded8 != 0:
-        _occluded_packets(traversal, origins, directions, n, out)
+    o, d = origins, directions
+    if traversal.occluded8 != 0:
+        _occluded_packets(traversal, o, d, n, out)
         return
     for k in range(n):
-        out[k] = occluded_one(traversal, origins, directions, k)
+        out[k] = occluded_one(traversal, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
 
 
 @kernel
@@ -193,7 +198,8 @@ def intersect_block(traversal, origins, directions, triangle, u, v):
     ray = _stack(_RAY_HIT)
     _put_constants(ray, 4)
     for k in range(len(origins)):
-        _put_ray(ray, 4, origins, directions, k)
+        o, d = origins[k], directions[k]
+        _put_ray(ray, 4, o[0], o[1], o[2], d[0], d[1], d[2])
         _put(ray + 60, _ZERO)
         _put(ray + 64, _ZERO)
         _put(ray + 68, _ALL)  # no triangle

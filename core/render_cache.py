@@ -22,12 +22,12 @@ class RenderCache:
         self._light: Light | None = None
         self._builder = TableBuilder()
 
-    def accel(self, mesh: TriangleMesh, cancelled=lambda: False, threads: int = 0) -> Accel:
+    def accel(self, mesh: TriangleMesh, cancelled=lambda: False) -> Accel:
         """The BVH of this mesh table, built unless it is the last one's; see Accel."""
         accel = self._accel
         if accel is None or accel.mesh is not mesh:
             self._accel = accel = None  # two hierarchies at once would double the peak
-            self._accel = accel = Accel(mesh, cancelled, threads)
+            self._accel = accel = Accel(mesh, cancelled)
         return accel
 
     def light(self, environment: EnvironmentMap, threads: int, cancelled) -> Light:
