@@ -6,9 +6,9 @@ In the order of the data; a module imports only from groups with a smaller numbe
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays
     camera, embree, albedo_tables, haar_forest,       2  rays, Embree, sparse Haar series
-    environment, shading, watch
+    environment, shading, watch, neighbours
     accel, lobes, pyramid, haar_product,             3  rays, materials at a point; light; products
-    table_cache, sequence
+    table_cache, sequence, stop_rule
     brdf, product, warp, tables, incremental         4  the BSDF; product sampling; the paper's loop
     light_rays, paper_tables                         5  samples' rays; the tables of a scene
     unbiased, paper_products, render_cache, develop  6  the two modes; what is kept; layers

@@ -1,14 +1,10 @@
 """The paper's loop: rounds of n points for each pixel not converged yet [Huang07, algorithm 1].
 
-Embree answers many rays at once, so a round goes over all active pixels of a tile: warp their next
-n Halton points, trace one batch of shadow rays, add what was seen, drop the pixels whose error is
-small enough. Samples taken once are never taken again.
+Embree answers many rays at once, so a round goes over all active pixels of a block: warp their next
+n Halton points, trace one batch of shadow rays, add what was seen, ask the stop rule
+(stop_rule.py) which pixels go on. Samples taken once are never taken again.
 
-A sampler (unbiased, paper, reference) fills the rays and what each carries; the error is
-
-    e_d^2 = sum (f_i - mean f)^2 / (sum f_i)^2,  f_i = luminance of sample i if seen, else 0
-
-which for constant weights is equation 7, and is infinite while nothing has been seen.
+A sampler (unbiased, paper, reference) fills the rays and what each carries.
 """
 
 from __future__ import annotations
@@ -19,8 +15,10 @@ import numpy as np
 
 from ._jit import kernel
 from .accel import Accel
+from .neighbours import Neighbours, no_neighbours
 from .pyramid import luminance
 from .settings import RenderSettings
+from .stop_rule import StopRule, stop_rule
 
 
 class RayBatch(NamedTuple):
@@ -45,7 +43,7 @@ class PixelSums(NamedTuple):
     diffuse, glossy: float64 (n, 3), sums of the light that was seen
     unoccluded: float64 (n, 3), sum of all light, seen or not
     seen, seen_squared: float64 (n,), sums of f_i and f_i^2
-    error: float32 (n,), e_d
+    error: float32 (n,), e_d, or what the stop rule puts in its place
     """
 
     count: np.ndarray
@@ -124,26 +122,55 @@ def _add_rays(rays, n_rays, occluded, sums):
 
 
 @kernel
-def relative_error(count, seen, seen_squared):
-    """e_d of a pixel from its sums, float64; infinite while nothing was seen [Huang07, eq. 7]."""
-    if seen <= 0.0:
-        return np.inf
-    return np.sqrt(max(seen_squared - seen * seen / count, 0.0)) / seen
+def _select(wanted, taken, sums, active):
+    """Write the points that have ``taken`` samples and want more; returns how many."""
+    n = 0
+    for p in range(len(wanted)):
+        if sums.count[p] == taken and wanted[p] > taken:
+            active[n] = p
+            n += 1
+    return n
 
 
 @kernel
-def _close_round(active, count, threshold, sums, still):
-    """Update counts and errors; write the points that go on into still; return how many."""
-    n = 0
-    for a in range(len(active)):
-        p = active[a]
-        sums.count[p] += count
-        error = relative_error(sums.count[p], sums.seen[p], sums.seen_squared[p])
-        sums.error[p] = error
-        if error > threshold:
-            still[n] = p
-            n += 1
-    return n
+def _least_count(wanted, sums):
+    """The fewest samples of a point that wants more; -1: none does."""
+    least = -1
+    for p in range(len(wanted)):
+        if wanted[p] > sums.count[p] and (least < 0 or sums.count[p] < least):
+            least = sums.count[p]
+    return least
+
+
+def continue_points(
+    sampler: Sampler,
+    sums: PixelSums,
+    accel: Accel,
+    rule: StopRule,
+    batch_size: int,
+    cancelled=lambda: False,
+) -> int:
+    """Add samples to points until each has as many as the rule wants: number of rays traced.
+
+    sums: what the points have so far, samples 0, 1, 2 ... of each; added to. Ends early, with what
+    it has, when ``cancelled`` says so; it may go on later.
+    """
+    wanted, room = (np.empty(len(sums.count), np.int32) for _ in range(2))
+    rule.begin(sums, wanted)
+    wanted[~sampler.lit()] = 0
+    rays, traced, taken = new_rays(len(wanted) * batch_size), 0, _least_count(wanted, sums)
+    while taken >= 0 and not cancelled():
+        active = room[: _select(wanted, taken, sums, room)].copy()
+        count = min(batch_size, rule.round_end(taken) - taken)
+        n_rays = sampler.sample(active, taken, count, rays)
+        occluded = accel.occluded(rays.origins[:n_rays], rays.directions[:n_rays])
+        _add_rays(rays, n_rays, occluded, sums)
+        sums.count[active] += count
+        traced += n_rays
+        rule.decide(active, taken + count, sums, wanted)
+        taken = _least_count(wanted, sums)
+    rule.finish(sums)
+    return traced
 
 
 def sample_points(
@@ -152,26 +179,17 @@ def sample_points(
     accel: Accel,
     settings: RenderSettings,
     cancelled=lambda: False,
+    neighbours: Neighbours | None = None,
 ) -> tuple[PixelSums, int]:
-    """Run the loop for the points of one tile: (sums, number of shadow rays traced).
+    """Run the loop for the points of one block: (sums, number of shadow rays traced).
 
-    Ends early, with what it has, when ``cancelled`` says so.
+    neighbours: which points tell of each other (stop rule PERCEPTUAL); None: each is alone. Ends
+    early, with what it has, when ``cancelled`` says so.
     """
     sums = new_sums(n_points)
-    # e_d is 0 where all samples were seen: E = 0 must not stop there.
-    fixed = settings.stop_rule == "FIXED" or settings.error_threshold == 0.0
-    threshold = -1.0 if fixed else settings.error_threshold
-    rays = new_rays(n_points * min(settings.batch_size, settings.max_samples))
-    active, traced, taken = np.flatnonzero(sampler.lit()).astype(np.int32), 0, 0
-    still = np.empty_like(active)
-    while len(active) and taken < settings.max_samples and not cancelled():
-        count = min(settings.batch_size, settings.max_samples - taken)
-        n_rays = sampler.sample(active, taken, count, rays)
-        occluded = accel.occluded(rays.origins[:n_rays], rays.directions[:n_rays])
-        _add_rays(rays, n_rays, occluded, sums)
-        active = still[: _close_round(active, count, threshold, sums, still)].copy()
-        traced += n_rays
-        taken += count
+    rule = stop_rule(settings, neighbours or no_neighbours(n_points))
+    batch_size = min(settings.batch_size, settings.max_samples)
+    traced = continue_points(sampler, sums, accel, rule, batch_size, cancelled)
     known = sampler.unoccluded()
     if known is not None:
         sums.unoccluded[:] = known * np.maximum(sums.count, 1)[:, None]

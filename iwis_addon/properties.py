@@ -13,6 +13,7 @@ NOT_ON_SCENE = {"cache_dir": "the add-on's preferences: a folder belongs to a ma
 _CHOICE_TEXTS = {
     "UNBIASED": ("Unbiased", "Weight each sample by light, material and density: converges"),
     "PAPER": ("Paper", "As printed in the paper"),
+    "PERCEPTUAL": ("Perceptual", "Samples go where they lower the visible error most"),
     "FIXED": ("Fixed", "Every pixel takes Max Samples"),
     "CENTER": ("Center", "One shading point, at the pixel's center"),
     "PIXEL": ("Per Pixel", "Shift the points by a hash of pixel and seed"),

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from iwis.core.incremental import relative_error, sample_points
+from iwis.core.incremental import sample_points
 from iwis.core.settings import RenderSettings
+from iwis.core.stop_rule import relative_error
 from support.scenes import make_picture, varied_scene
 
 

@@ -87,7 +87,7 @@ def test_from_strings_reads_every_kind():
         ({"error_threshold": "low"}, "setting error_threshold: 'low' is not a number"),
         ({"error_threshold": "nan"}, "setting error_threshold: nan is outside"),
         ({"threads": "1000000"}, "setting threads: 1000000 is outside 0 ... 1024"),
-        ({"stop_rule": "never"}, "setting stop_rule: 'NEVER' is none of PAPER, FIXED"),
+        ({"stop_rule": "never"}, "setting stop_rule: 'NEVER' is none of PERCEPTUAL, PAPER, FIXED"),
     ],
 )
 def test_from_strings_names_what_is_wrong(pairs, message):
