@@ -145,8 +145,8 @@ class EmbreeScene:
         thread.start()
         try:
             while thread.is_alive():
-                thread.join(POLL_SECONDS)
                 stop[0] = stop[0] or cancelled()
+                thread.join(POLL_SECONDS)
         finally:
             stop[0] = 1
             thread.join()
