@@ -9,8 +9,8 @@ In the order of the data; a module imports only from groups with a smaller numbe
     environment, shading, watch, neighbours
     accel, lobes, pyramid, haar_product,             3  rays, materials at a point; light; products
     table_cache, sequence, stop_rule
-    brdf, product, warp, tables, incremental         4  the BSDF; product sampling; the paper's loop
-    light_rays, paper_tables                         5  samples' rays; the tables of a scene
+    brdf, lobe_cells, product, tables, incremental   4  the BSDF; light x BSDF; the paper's loop
+    product_build, warp, light_rays, paper_tables    5  product sampling; the tables of a scene
     unbiased, paper_products, render_cache, develop  6  the two modes; what is kept; layers
     paper                                            7  mode PAPER
     reference, render                                8  estimators to compare with; the entry point

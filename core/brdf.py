@@ -156,6 +156,17 @@ def _metal(f0, edge, s, t):
 
 
 @kernel(forceinline=True)
+def _pdf_gloss(at, wi_x, wi_y, wi_z):
+    sin2, cos_m, cos_h = _half_vector(at, wi_x, wi_y, wi_z)
+    alpha2 = at.alpha * at.alpha
+    if at.gaussian:  # facets turned away from wo are taken as well: their h points down
+        return beckmann_d(alpha2, sin2) * abs(cos_m) / (FOUR * cos_h)
+    if cos_m > ZERO:
+        return ggx_d(alpha2, sin2) / (FOUR * at.cos_o * at.seen)
+    return ZERO
+
+
+@kernel(forceinline=True)
 def pdf_at(at, wi_x, wi_y, wi_z):
     """The density of sample_at, sr^-1. Its integral over the *sphere* is 1.
 
@@ -167,15 +178,15 @@ def pdf_at(at, wi_x, wi_y, wi_z):
     pdf = at.diffuse_share * max(cos_n, ZERO) * INV_PI
     if at.kind == DIFFUSE_LOBE:
         return pdf
-    sin2, cos_m, cos_h = _half_vector(at, wi_x, wi_y, wi_z)
-    alpha2 = at.alpha * at.alpha
-    if at.gaussian:  # facets turned away from wo are taken as well: their h points down
-        gloss = beckmann_d(alpha2, sin2) * abs(cos_m) / (FOUR * cos_h)
-    elif cos_m > ZERO:
-        gloss = ggx_d(alpha2, sin2) / (FOUR * at.cos_o * at.seen)
-    else:
-        gloss = ZERO
-    return pdf + (ONE - at.diffuse_share) * gloss
+    return pdf + (ONE - at.diffuse_share) * _pdf_gloss(at, wi_x, wi_y, wi_z)
+
+
+@kernel(forceinline=True)
+def pdf_narrowest_at(at, wi_x, wi_y, wi_z):
+    """The density of sample_narrowest_at, sr^-1; at.kind must not be 0."""
+    if at.kind == DIFFUSE_LOBE:
+        return max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO) * INV_PI
+    return _pdf_gloss(at, wi_x, wi_y, wi_z)
 
 
 @kernel(forceinline=True)
@@ -211,6 +222,14 @@ def sample_at(at, u1, u2):
     else:
         x, y, z = _sample_gloss(at, min((u1 - share) / (ONE - share), _ALMOST_ONE), u2)
     return x, y, z, pdf_at(at, x, y, z)
+
+
+@kernel(forceinline=True)
+def sample_narrowest_at(at, u1, u2):
+    """A direction by the glossy lobe, or the Lambert lobe where there is no other: (x, y, z)."""
+    if at.kind == DIFFUSE_LOBE:
+        return _sample_lambert(at, u1, u2)
+    return _sample_gloss(at, u1, u2)
 
 
 @kernel(forceinline=True)

@@ -10,7 +10,7 @@ from ._jit import kernel
 from .accel import start_shadow_ray
 from .brdf import eval_at, pdf_at
 from .environment import EnvironmentLookup
-from .product import NARROW_LEVEL, WIDE_LEVEL, ProductCells, product_cells
+from .product import ProductCells, product_cells
 from .pyramid import LightPyramid, pdf_light
 
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
@@ -21,15 +21,12 @@ class Light(NamedTuple):
 
     lookup: EnvironmentLookup
     pyramid: LightPyramid
-    wide: ProductCells
-    narrow: ProductCells
+    cells: ProductCells
 
 
 def make_light(lookup: EnvironmentLookup, pyramid: LightPyramid) -> Light:
     """Everything of the light, from its lookup and its quadtree."""
-    return Light(
-        lookup, pyramid, product_cells(pyramid, WIDE_LEVEL), product_cells(pyramid, NARROW_LEVEL)
-    )
+    return Light(lookup, pyramid, product_cells(pyramid))
 
 
 @kernel(forceinline=True)

@@ -15,6 +15,16 @@ import numpy as np
 
 from ._jit import kernel
 from .environment import map_coordinates
+from .product import (
+    BASE_BEGIN,
+    BASE_CELLS,
+    BASE_LEVEL,
+    BLOCK_BEGIN,
+    BLOCK_CELLS,
+    BLOCK_LEVELS,
+    DEEPEST_LEVEL,
+    SUMS_BEGIN,
+)
 from .pyramid import level_offset, morton_to_row_column
 
 LANES = 256
@@ -37,6 +47,7 @@ class Lanes(NamedTuple):
 
     numbers: float32 (rows * LANES,): X, Y, DX ... are where a row begins
     cell, quadrant: int32 (LANES,), where a lane is, and where it goes
+    block: int32 (LANES,), 1 + the block of its product that it is in, 0 = none
     tree: int64 (LANES,), where the lane's product begins in the array of all products
     point, sample: int32 (LANES,), the caller's: shading point and index of its sample
     """
@@ -44,6 +55,7 @@ class Lanes(NamedTuple):
     numbers: np.ndarray
     cell: np.ndarray
     quadrant: np.ndarray
+    block: np.ndarray
     tree: np.ndarray
     point: np.ndarray
     sample: np.ndarray
@@ -53,6 +65,7 @@ def new_lanes() -> Lanes:
     """Lanes with nothing in them."""
     return Lanes(
         np.zeros(_ROWS * LANES, np.float32),
+        np.zeros(LANES, np.int32),
         np.zeros(LANES, np.int32),
         np.zeros(LANES, np.int32),
         np.zeros(LANES, np.int64),
@@ -86,21 +99,81 @@ def _choose_children(numbers, quadrant, n):
 
 
 @kernel
-def _descend_products(products, level, lanes, n):
-    """From the root of each lane's product to a leaf of ``level`` (digit-reversed Morton order)."""
+def _descend_bases(trees, morton, lanes, n):
+    """From the root of each lane's product to a leaf of its base.
+
+    Then cell is the light's cell, block the leaf, PDF the leaf's value.
+    """
     numbers, cell, tree = lanes.numbers, lanes.cell, lanes.tree
     for s in range(n):
         cell[s] = 0
-    for step in range(level):
+    for step in range(BASE_LEVEL):
         m = np.int32(1 << (2 * step))
         begin = level_offset(step + 1)
         for s in range(n):
             child = tree[s] + (begin + cell[s])
-            numbers[_A + s], numbers[_B + s] = products[child], products[child + m]
-            numbers[_C + s], numbers[_D + s] = products[child + 2 * m], products[child + 3 * m]
+            numbers[_A + s], numbers[_B + s] = trees[child], trees[child + m]
+            numbers[_C + s], numbers[_D + s] = trees[child + 2 * m], trees[child + 3 * m]
         _choose_children(numbers, lanes.quadrant, n)
         for s in range(n):
             cell[s] += lanes.quadrant[s] * m
+    for s in range(n):
+        leaf = cell[s]
+        lanes.block[s], cell[s] = leaf, morton[leaf]
+        numbers[PDF + s] = trees[tree[s] + (BASE_BEGIN + leaf)]
+
+
+@kernel
+def _step_to(level, begin, trees, light, lanes, n):
+    """One step to ``level``: in its block's numbers from ``begin`` on, else by light; 1s below it.
+
+    begin: of four sums for each block, or of four times four cells
+    """
+    numbers, cell, averages = lanes.numbers, lanes.cell, light.averages
+    stride, inside = (4, 0) if begin == SUMS_BEGIN else (BLOCK_CELLS, 3)
+    first = level_offset(level)
+    for s in range(n):
+        block = lanes.block[s]
+        if block > 0:
+            child = lanes.tree[s] + (begin + stride * (block - 1) + 4 * (cell[s] & inside))
+            numbers[_A + s], numbers[_B + s] = trees[child], trees[child + 1]
+            numbers[_C + s], numbers[_D + s] = trees[child + 2], trees[child + 3]
+        elif level <= light.levels:
+            child = first + 4 * np.int64(cell[s])
+            numbers[_A + s], numbers[_B + s] = averages[child], averages[child + 1]
+            numbers[_C + s], numbers[_D + s] = averages[child + 2], averages[child + 3]
+        else:
+            numbers[_A + s] = numbers[_B + s] = numbers[_C + s] = numbers[_D + s] = _ONE
+    _choose_children(numbers, lanes.quadrant, n)
+    for s in range(n):
+        cell[s] = 4 * cell[s] + lanes.quadrant[s]
+
+
+@kernel
+def _descend_blocks(products, light, scale, lanes, n):
+    """From the base to DEEPEST_LEVEL: down the blocks, and by light beside and below them.
+
+    PDF: changed where a lane is in a block; scale: from a base cell's value to a density
+    """
+    numbers, links, trees = lanes.numbers, products.links.reshape(-1), products.trees.reshape(-1)
+    stride = products.links.shape[1]
+    for s in range(n):
+        lanes.block[s] = links[np.int64(lanes.point[s]) * stride + lanes.block[s]]
+    level = BASE_LEVEL
+    while level < DEEPEST_LEVEL:
+        _step_to(level + 1, SUMS_BEGIN, trees, light, lanes, n)
+        _step_to(level + 2, BLOCK_BEGIN, trees, light, lanes, n)
+        level += BLOCK_LEVELS
+        scale *= np.float32(BLOCK_CELLS)
+        deeper = 2 * max(level - light.levels, 0)
+        around = level_offset(min(level, light.levels))
+        for s in range(n):
+            if lanes.block[s] > 0:
+                cell = lanes.cell[s]
+                k = BLOCK_CELLS * (lanes.block[s] - 1) + (cell & (BLOCK_CELLS - 1))
+                value = trees[lanes.tree[s] + (BLOCK_BEGIN + k)] / trees[lanes.tree[s]]
+                numbers[PDF + s] = scale * value / light.averages[around + (cell >> deeper)]
+                lanes.block[s] = links[np.int64(lanes.point[s]) * stride + (BASE_CELLS + k)]
 
 
 @kernel
@@ -142,31 +215,33 @@ def _square_to_sphere(numbers, n):
 
 
 @kernel
-def warp_lanes(products, level, morton, light, lanes, n):
+def warp_lanes(products, cut, morton, light, lanes, n):
     """Warp the points (X, Y) of lanes 0 ... n - 1 to directions (DX, DY, DZ), with their PDF.
 
-    products: float32 (any,), the products of all points; lanes.tree: where each lane's begins; its
-    sum, the first number, must be above 0. morton: of the ProductCells of that level; light: the
+    products: of all points, with lanes.tree and lanes.point: which; their sums must be above 0
+    cut: whether these have blocks: all or none; morton: of the ProductCells; light: the
     LightPyramid below. PDF is in sr^-1.
     """
     numbers, cell = lanes.numbers, lanes.cell
     averages, levels = light.averages, light.levels
-    _descend_products(products, level, lanes, n)
-    scale = np.float32((1 << (2 * level)) / (4.0 * math.pi))
-    leaves, above = level_offset(level), level_offset(level)
+    trees = products.trees.reshape(-1)
+    _descend_bases(trees, morton, lanes, n)
+    scale = np.float32(BASE_CELLS / (4.0 * math.pi))
     for s in range(n):
-        leaf = cell[s]
-        cell[s] = morton[leaf]
-        share = products[lanes.tree[s] + (leaves + leaf)] / products[lanes.tree[s]]
-        numbers[PDF + s] = scale * share / averages[above + cell[s]]
+        numbers[PDF + s] *= scale / (trees[lanes.tree[s]] * averages[BASE_BEGIN + cell[s]])
+    level = BASE_LEVEL
+    if cut:
+        _descend_blocks(products, light, scale, lanes, n)
+        level = DEEPEST_LEVEL
     _descend_light(averages, level, levels, lanes, n)
-    finest = level_offset(levels)
-    inverse = np.float32(1.0 / (1 << levels))
+    finest, deeper = max(level, levels), 2 * max(level - levels, 0)
+    begin = level_offset(levels)
+    inverse = np.float32(1.0 / (1 << finest))
     for s in range(n):
-        row, column = morton_to_row_column(cell[s], levels)
+        row, column = morton_to_row_column(cell[s], finest)
         numbers[X + s] = (np.float32(column) + numbers[X + s]) * inverse
         numbers[Y + s] = (np.float32(row) + numbers[Y + s]) * inverse
-        numbers[PDF + s] *= averages[finest + np.int64(cell[s])]
+        numbers[PDF + s] *= averages[begin + np.int64(cell[s] >> deeper)]
     _square_to_sphere(numbers, n)
 
 

@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from iwis.core._jit import kernel
+from iwis.core.brdf import lobes_at, pdf_narrowest_at, sample_narrowest_at
 from iwis.core.scene import BECKMANN, BLACK, DIFFUSE, GGX, GLOSSY, MULTI_GGX
 from support.brdf_points import (
     densities,
@@ -196,3 +198,25 @@ def test_nothing_from_below_the_horizon(kind):
     for p in range(2):
         assert not evaluated(lobes, p, below).any()
         assert np.isfinite(evaluated(lobes, p, directions([0.0, 1e-7, 1e-4, 1.0]))).all()
+
+
+@kernel
+def _narrowest(lobes, u, out):
+    at = lobes_at(lobes, 0)
+    for k in range(len(u)):
+        x, y, z = sample_narrowest_at(at, u[k, 0], u[k, 1])
+        out[k, 0], out[k, 1], out[k, 2] = x, y, z
+        out[k, 3] = pdf_narrowest_at(at, x, y, z)
+
+
+@kinds
+def test_narrowest_lobe_is_the_gloss_alone(kind, rng):
+    """The same directions and densities as if the Lambert lobe had no share: exactly."""
+    lobes = points(directions([0.6]), **KINDS[kind])
+    u, narrowest = rng.random((500, 2)).astype(np.float32), np.empty((500, 4), np.float32)
+    _narrowest(lobes, u, narrowest)
+    if kind != "diffuse":
+        lobes.diffuse_share[:] = 0.0
+    wi, pdf = sampled(lobes, 0, u)
+    np.testing.assert_allclose(narrowest[:, :3], wi, atol=1e-6)  # float32, other order
+    np.testing.assert_allclose(narrowest[:, 3], pdf, rtol=1e-4)  # sharp lobe: 1e-6 of direction

@@ -1,19 +1,16 @@
-"""core/product.py: the product of light and BSDF, and the warp through it."""
+"""core/product.py, product_build.py, lobe_cells.py, warp.py: light x BSDF, and the way down it."""
 
 import numpy as np
 import pytest
 
 from iwis.core.brdf import eval_brdf_cos
-from iwis.core.lobes import setup_lobes
-from iwis.core.product import NARROW_LEVEL, WIDE_LEVEL, choose_level, product_cells
-from iwis.core.pyramid import level_offset
+from iwis.core.product import BASE_BEGIN, MAX_BLOCKS
 from iwis.core.scene import EnvironmentMap
 from support.scenes import (
     constant_world,
     diffuse,
     glossy,
     gradient_world,
-    make_materials,
     one_texel_world,
     principled,
 )
@@ -24,7 +21,9 @@ MATERIALS = {
     "diffuse": diffuse((0.7, 0.5, 0.2)),
     "rough": glossy(0.6),
     "shiny": glossy(0.05),
-    "mirror": glossy(0.002),
+    "sharp": glossy(0.01),
+    "mirror": glossy(0.0001),
+    "coat": principled(roughness=0.05),
     "plastic": principled(roughness=0.3),
     "metal": principled(metallic=1.0, roughness=0.7, base_color=(0.9, 0.6, 0.2)),
 }
@@ -92,7 +91,7 @@ def test_corners_of_the_square_get_light(point, lights):
 
 @pytest.mark.statistical
 @pytest.mark.parametrize("light", ["hdri", "sun and sky", "constant"])
-@pytest.mark.parametrize("material", ["diffuse", "shiny", "plastic"])
+@pytest.mark.parametrize("material", ["diffuse", "shiny", "coat"])
 def test_warp_is_distributed_by_its_density(light, material, lights, rng):
     """chi-square of PCG64 points in 16 x 16 cells of the sphere (64 x 64 for a sun, that
     would fill two of them).
@@ -116,12 +115,11 @@ def test_warp_is_distributed_by_its_density(light, material, lights, rng):
 def test_cells_follow_light_times_brdf(material, lights):
     """The density is what it stands for: L B over the integral of L B, within what a cell blurs.
 
-    Compared where a cell's 6.3 (2.8) degrees change neither factor much: above the horizon, lobes
-    of alpha .09 and up. Only efficiency hangs on it, not the mean: 5 % on average will do
+    Compared where a cell's 6.3 degrees change neither factor much: above the horizon, lobes of
+    alpha .09 and up. Only efficiency hangs on it, not the mean: 5 % on average will do
     (measured: 0.6 % diffuse, 4 % where the Fresnel curve is stood for by two numbers).
     """
-    product = _product(lights, "gradient", material)
-    cells = product_cells(lights["gradient"].pyramid, WIDE_LEVEL)
+    product, cells = _product(lights, "gradient", material), lights["gradient"].cells
     directions = np.stack([cells.x, cells.y, cells.z], -1)
     above = directions @ NORMAL.astype(np.float32) > 0.2
     directions, light = directions[above], cells.light[above]
@@ -131,30 +129,74 @@ def test_cells_follow_light_times_brdf(material, lights):
     assert np.abs(ratio / np.median(ratio) - 1.0).mean() < 0.05
 
 
-@pytest.mark.parametrize(
-    ("material", "level"),
-    [("diffuse", WIDE_LEVEL), ("rough", WIDE_LEVEL), ("shiny", NARROW_LEVEL)],
-)
-def test_narrow_lobes_get_finer_cells(material, level, lights):
-    """64^2 cells below alpha .5, 32^2 else."""
-    assert _product(lights, "constant", material).level == level
+def test_steep_cells_are_cut(lights):
+    """The narrower the lobe, the more blocks; none for a Lambert lobe, and never too many."""
+    blocks = {
+        name: int(_product(lights, "hdri", name).products.blocks[0])
+        for name in ("diffuse", "rough", "shiny", "sharp", "mirror")
+    }
+    assert blocks["diffuse"] == 0 and blocks["rough"] < blocks["shiny"] < blocks["sharp"]
+    assert max(blocks.values()) <= MAX_BLOCKS
 
 
-def test_glossy_points_alone_decide():
-    """alpha of a material without gloss means nothing."""
-    up = np.float32([[0, 0, 1]])
-    lobes = setup_lobes(make_materials(diffuse(roughness=0.1)), up, up, up)
-    assert choose_level(lobes, 0) == WIDE_LEVEL
+@pytest.mark.parametrize("material", ["shiny", "sharp", "coat"])
+def test_blocks_add_up_to_the_cells_they_cut(material, lights):
+    """Every sum of the base is that of its four children, and the gloss is what is not matte."""
+    product = _product(lights, "hdri", material)
+    tree = product.products.trees[0, : BASE_BEGIN + 1024].astype(np.float64)
+    assert tree[0] == pytest.approx(tree[BASE_BEGIN:].sum(), rel=1e-5)  # float32
+    bare = PointProduct(lights["hdri"], MATERIALS[material] | {"ior": 1.0}, NORMAL, WO)
+    share = product.products.gloss[0]
+    if material == "coat":
+        # What the coat reflects is missing below it: up to 10 % of the matte part.
+        assert 1.0 - bare.total / product.total < share + 0.1 and 0.0 < share < 0.9
+    else:
+        assert share == 1.0
 
 
-@pytest.mark.parametrize("level", [WIDE_LEVEL, NARROW_LEVEL])
-def test_product_cells_are_the_pyramids(level, lights):
-    """All cells of the level, each once, with the pyramid's light."""
-    pyramid = lights["hdri"].pyramid
-    cells = product_cells(pyramid, level)
-    assert sorted(cells.morton) == list(range(4**level))
-    begin = level_offset(level)
-    np.testing.assert_array_equal(cells.light, pyramid.averages[begin + cells.morton])
+def test_narrow_lobes_get_their_own_cells(lights):
+    """At alpha .01 the density follows the BSDF inside one cell of the base.
+
+    Twenty directions round the mirrored wo, under constant light: L B / pdf varies by a tenth of
+    what B does. (B varies by a factor of 60; a cell of 512^2 is 0.4 degrees wide, the lobe 1.)
+    """
+    product = _product(lights, "constant", "sharp")
+    mirrored = 2.0 * (NORMAL @ WO) * NORMAL - WO
+    side = np.cross(NORMAL, WO)
+    side /= np.linalg.norm(side)
+    turn = np.linspace(-0.03, 0.03, 20)[:, None]
+    directions = np.cos(turn) * mirrored + np.sin(turn) * side
+    brdf = np.array([eval_brdf_cos(product.lobes, 0, *d)[3] for d in directions.astype(np.float32)])
+    ratio = np.log(brdf / product.pdf(directions))
+    assert brdf.max() > 20.0 * brdf.min()
+    assert ratio.std() < 0.25 * np.log(brdf).std()
+
+
+@pytest.mark.parametrize("material", ["diffuse", "plastic"])
+def test_no_lit_direction_has_density_zero(material, lights, rng):
+    """Wherever the cosine is above 0, up to the corners of cells at the horizon."""
+    for _ in range(20):
+        normal, wo = rng.standard_normal((2, 3))
+        normal /= np.linalg.norm(normal)
+        wo = normal + 0.3 * wo / np.linalg.norm(wo)
+        product = PointProduct(
+            lights["constant"], MATERIALS[material], normal, wo / np.linalg.norm(wo)
+        )
+        # Grazing directions: 1e-6 ... 0.1 above the horizon.
+        side = np.cross(normal, rng.standard_normal((2000, 3)))
+        side /= np.linalg.norm(side, axis=1)[:, None]
+        height = 10.0 ** rng.uniform(-6.0, -1.0, (2000, 1))
+        directions = np.sqrt(1.0 - height**2) * side + height * normal
+        assert product.pdf(directions).min() > 0.0
+
+
+def test_product_cells_are_the_pyramids(lights):
+    """All cells of the base, each once, with the pyramid's light."""
+    light = lights["hdri"]
+    assert sorted(light.cells.morton) == list(range(1024))
+    np.testing.assert_array_equal(
+        light.cells.light, light.pyramid.averages[BASE_BEGIN + light.cells.morton]
+    )
 
 
 def test_black_light_has_an_empty_product():

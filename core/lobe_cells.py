@@ -1,0 +1,143 @@
+"""Light x BSDF at cells of the sphere: the numbers that a product is made of.
+
+A cell stands for all directions in it by the one at its centre, so what is narrower than a cell is
+widened to it: the cosine to a disc of the cell's solid angle, the GGX lobe by the cell's width as
+the half vector sees it. Seen flat, half vectors run along a cell by half its width in the plane of
+wo, and by half its width / (wo . h) across it: the widened lobe has two widths.
+
+What lies inside a cell is then known only roughly. ``spread`` says how much that matters.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ._jit import kernel
+from .microfacet import HALF, ONE, QUARTER, ZERO
+from .pyramid import luminance
+
+_TINY = np.float32(1e-6)
+# No corner of a cell is farther from its centre than this many radii of its disc (measured).
+_REACH = np.float32(2.15)
+# What a cell keeps, of the cosine its farthest corner may have.
+_CORNER = np.float32(0.05)
+
+
+class CellLambert(NamedTuple):
+    """A point's Lambert lobe: albedo is its luminance / pi; normal."""
+
+    albedo: np.float32
+    x: np.float32
+    y: np.float32
+    z: np.float32
+
+
+class CellGloss(NamedTuple):
+    """A point's glossy lobe, as float32: Smith shadowing, Schlick's curve between two ends.
+
+    normal, wo, side: triples; side is normal to both
+    cos_o, lambda_o: of wo; alpha2: width squared; head_on, grazing: luminance of the reflectance
+    """
+
+    normal: tuple
+    wo: tuple
+    side: tuple
+    cos_o: np.float32
+    lambda_o: np.float32
+    alpha2: np.float32
+    head_on: np.float32
+    grazing: np.float32
+
+
+@kernel(forceinline=True)
+def lambert_at(lobes, p):
+    """Row p of lobes."""
+    albedo = luminance(lobes.diffuse[p, 0], lobes.diffuse[p, 1], lobes.diffuse[p, 2])
+    normal = lobes.normal
+    return CellLambert(albedo * np.float32(1.0 / math.pi), normal[p, 0], normal[p, 1], normal[p, 2])
+
+
+@kernel(forceinline=True)
+def gloss_at(lobes, p):
+    """Row p of lobes."""
+    n, o = lobes.glossy_normal[p], lobes.wo[p]
+    tx, ty, tz = n[1] * o[2] - n[2] * o[1], n[2] * o[0] - n[0] * o[2], n[0] * o[1] - n[1] * o[0]
+    inverse = ONE / np.sqrt(max(tx * tx + ty * ty + tz * tz, _TINY))
+    head_on, grazing = ZERO, ZERO
+    for curve in range(2):
+        w, f0 = lobes.weight[p, curve], lobes.f0[p, curve]
+        head_on += luminance(w[0] * f0[0], w[1] * f0[1], w[2] * f0[2])
+        grazing += luminance(w[0], w[1], w[2])
+    alpha2 = lobes.alpha[p] * lobes.alpha[p]
+    cos_o = max(lobes.cos_o[p], np.float32(1e-3))
+    lambda_o = np.sqrt(alpha2 + (ONE - alpha2) * cos_o * cos_o)
+    side = (tx * inverse, ty * inverse, tz * inverse)
+    normal, wo = (n[0], n[1], n[2]), (o[0], o[1], o[2])
+    return CellGloss(normal, wo, side, cos_o, lambda_o, alpha2, head_on, grazing)
+
+
+@kernel(forceinline=True)
+def _lit_cosine(cosine, radius, quarter):
+    """Mean of the cosine over a cell; above 0 wherever a corner of the cell is lit."""
+    lit = max(cosine + radius, ZERO)
+    reached = max(cosine + _REACH * radius, ZERO)
+    return cosine if cosine > radius else max(lit * lit * quarter, _CORNER * reached)
+
+
+@kernel
+def fill_lambert(lobe, x, y, z, light, n, radius, scale, values):
+    """values = scale x light x Lambert lobe x cosine over n cells; returns their sum.
+
+    radius: of a disc of a cell's solid angle, sr^(1/2)
+    """
+    albedo, quarter = lobe.albedo * scale, QUARTER / radius
+    total = ZERO
+    for r in range(n):
+        cosine = x[r] * lobe.x + y[r] * lobe.y + z[r] * lobe.z
+        value = albedo * _lit_cosine(cosine, radius, quarter) * light[r]
+        values[r] = value
+        total += value
+    return total
+
+
+@kernel
+def add_gloss(lobe, x, y, z, light, n, radius, scale, values, spread):
+    """values += scale x light x GGX lobe x cosine over n cells, widened to what a cell can hold.
+
+    spread: written, the variance that the lobe's slope leaves inside each cell, times its value
+    """
+    nx, ny, nz = lobe.normal
+    ox, oy, oz = lobe.wo
+    tx, ty, tz = lobe.side
+    alpha2, cos_o = lobe.alpha2, lobe.cos_o
+    quarter, gain = QUARTER / radius, np.float32(0.5 / math.pi) * scale
+    wide = QUARTER * radius * radius
+    in_plane = alpha2 + wide
+    for r in range(n):
+        cosine = x[r] * nx + y[r] * ny + z[r] * nz
+        cos_i = _lit_cosine(cosine, radius, quarter)
+        io = x[r] * ox + y[r] * oy + z[r] * oz
+        oh2 = max(HALF * (ONE + io), np.float32(1e-4))  # (wo . h)^2
+        per_h2 = QUARTER / oh2  # 1 / |wo + wi|^2
+        # The centre of a cell at the horizon may be below it: h of its lit part.
+        nh = (cosine if cosine > radius else HALF * max(cosine + radius, ZERO)) + cos_o
+        th = x[r] * tx + y[r] * ty + z[r] * tz
+        nh2, th2 = min(nh * nh * per_h2, ONE), th * th * per_h2
+        apart = wide / oh2
+        across = alpha2 + apart
+        slope2 = max(ONE - nh2 - th2, ZERO) / in_plane + th2 / across
+        d = slope2 + nh2
+        miss = ONE - np.sqrt(oh2)
+        miss2 = miss * miss
+        fresnel = lobe.head_on + (lobe.grazing - lobe.head_on) * miss2 * miss2 * miss
+        smith = cos_o * np.sqrt(alpha2 + (ONE - alpha2) * cos_i * cos_i) + cos_i * lobe.lambda_o
+        value = fresnel * gain * cos_i * light[r]
+        value /= d * d * (smith + _TINY) * np.sqrt(in_plane * across)
+        values[r] += value
+        # How far apart the cell's edges stand on the curve of D, in widths of the lobe.
+        slope, reach = np.sqrt(slope2), np.sqrt(wide / in_plane + apart / across)
+        far, near = slope + reach, max(slope - reach, ZERO)
+        ratio = (ONE + far * far) / (ONE + near * near)
+        range_ = min(ratio * ratio - ONE, np.float32(16.0))
+        spread[r] = value * range_ * range_ * np.float32(1.0 / 16.0)

@@ -1,0 +1,195 @@
+"""Fill the product of a shading point: its base, then blocks where a glossy lobe is steep.
+
+Each generation of blocks is worked out in one go: their cells are gathered into long arrays first,
+so that the arithmetic (lobe_cells.py) runs over hundreds of cells at a time, 2 ns each.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ._jit import kernel
+from .lobe_cells import add_gloss, fill_lambert, gloss_at, lambert_at
+from .lobes import DIFFUSE_LOBE
+from .product import (
+    BASE_BEGIN,
+    BASE_CELLS,
+    BASE_LEVEL,
+    BLOCK_BEGIN,
+    BLOCK_CELLS,
+    DEEPEST_LEVEL,
+    MAX_BLOCKS,
+    SECOND_LEVEL,
+    SUMS_BEGIN,
+)
+from .pyramid import level_offset
+
+# Blocks that cells of the base may have; cells of these blocks may have the rest.
+_MAX_FIRST = 24
+# A cell is cut if its spread (lobe_cells.py) is more than this part of the product.
+_CUT = 0.015
+
+
+class BlockScratch(NamedTuple):
+    """Room to work out the blocks of one point: cells, and for each block its parent cell."""
+
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
+    light: np.ndarray
+    spread: np.ndarray
+    parent: np.ndarray
+    morton: np.ndarray
+
+
+def new_block_scratch() -> BlockScratch:
+    """Scratch of build_product; one a thread."""
+    n = BLOCK_CELLS * MAX_BLOCKS
+    cells = (np.empty(n, np.float32) for _ in range(4))
+    spread = np.empty(max(n, BASE_CELLS), np.float32)
+    return BlockScratch(*cells, spread, *(np.empty(MAX_BLOCKS, np.int32) for _ in range(2)))
+
+
+@kernel
+def _select(spread, n, limit, most, parent, first):
+    """Write the cells whose spread is above the limit to parent[first ...]; returns how many.
+
+    Where they were more than ``most``, the limit rises until they are not. n: a multiple of 16
+    """
+    while True:
+        count = 0
+        for r in range(n):
+            count += spread[r] > limit
+        if count <= most:
+            break
+        limit *= np.float32(1.5)
+    if count == 0:
+        return 0
+    k = first
+    for group in range(0, n, BLOCK_CELLS):
+        largest = np.float32(0.0)
+        for j in range(BLOCK_CELLS):
+            largest = max(largest, spread[group + j])
+        if largest > limit:
+            for j in range(BLOCK_CELLS):
+                if spread[group + j] > limit:
+                    parent[k] = group + j
+                    k += 1
+    return count
+
+
+@kernel
+def _gather_blocks(directions, averages, levels, level, first, n, scratch):
+    """Write directions and light of the cells of blocks first ... first + n - 1."""
+    deeper = max(level - levels, 0)  # than the light, which is constant there
+    begin = level_offset(level - deeper)
+    for b in range(n):
+        k, to = BLOCK_CELLS * scratch.morton[first + b], BLOCK_CELLS * b
+        for j in range(BLOCK_CELLS):
+            scratch.x[to + j] = directions.x[k + j]
+            scratch.y[to + j] = directions.y[k + j]
+            scratch.z[to + j] = directions.z[k + j]
+        for j in range(BLOCK_CELLS):
+            scratch.light[to + j] = averages[begin + ((k + j) >> (2 * deeper))]
+
+
+@kernel
+def _fill_blocks(lambert, gloss, level, first, n, tree, scratch):
+    """Write the cells of blocks first ... first + n - 1, which _gather_blocks has gathered."""
+    to, n_cells = BLOCK_BEGIN + BLOCK_CELLS * first, BLOCK_CELLS * n
+    values = tree[to : to + n_cells]
+    radius = np.float32(2.0 / (1 << level))
+    scale = np.float32(1.0 / (1 << (2 * (level - BASE_LEVEL))))
+    cells = (scratch.x, scratch.y, scratch.z, scratch.light)
+    fill_lambert(lambert, *cells, n_cells, radius, scale, values)
+    add_gloss(gloss, *cells, n_cells, radius, scale, values, scratch.spread)
+
+
+@kernel
+def _sum_blocks(tree, begin, first, last, parent):
+    """Sum up blocks first ... last - 1 and write each sum to its parent cell, tree[begin + ...]."""
+    for k in range(4 * first, 4 * last):
+        c = BLOCK_BEGIN + 4 * k
+        tree[SUMS_BEGIN + k] = (tree[c] + tree[c + 1]) + (tree[c + 2] + tree[c + 3])
+    for b in range(first, last):
+        k = SUMS_BEGIN + 4 * b
+        tree[begin + parent[b]] = (tree[k] + tree[k + 1]) + (tree[k + 2] + tree[k + 3])
+
+
+@kernel
+def _cut_steep_cells(lambert, gloss, cells, averages, levels, total, tree, links, scratch):
+    """Cut cells of the base, and cells of the new blocks, into blocks; returns how many.
+
+    scratch.spread: of the base's cells; total: their sum
+    """
+    parent, morton = scratch.parent, scratch.morton
+    limit = np.float32(_CUT) * total
+    n = _select(scratch.spread, BASE_CELLS, limit, _MAX_FIRST, parent, 0)
+    if n == 0:
+        return 0
+    links[:] = 0
+    for b in range(n):
+        links[parent[b]] = b + 1
+        morton[b] = cells.morton[parent[b]]
+    _gather_blocks(cells.second, averages, levels, SECOND_LEVEL, 0, n, scratch)
+    _fill_blocks(lambert, gloss, SECOND_LEVEL, 0, n, tree, scratch)
+    for b in range(n):
+        total -= tree[BASE_BEGIN + parent[b]]
+    for k in range(BLOCK_BEGIN, BLOCK_BEGIN + BLOCK_CELLS * n):
+        total += tree[k]
+    limit = np.float32(_CUT) * total
+    m = _select(scratch.spread, BLOCK_CELLS * n, limit, MAX_BLOCKS - n, parent, n)
+    for b in range(n, n + m):
+        links[BASE_CELLS + parent[b]] = b + 1
+        morton[b] = BLOCK_CELLS * morton[parent[b] // BLOCK_CELLS] + parent[b] % BLOCK_CELLS
+    _gather_blocks(cells.third, averages, levels, DEEPEST_LEVEL, n, m, scratch)
+    _fill_blocks(lambert, gloss, DEEPEST_LEVEL, n, m, tree, scratch)
+    _sum_blocks(tree, BLOCK_BEGIN, n, n + m, parent)
+    _sum_blocks(tree, BASE_BEGIN, 0, n, parent)
+    return n + m
+
+
+@kernel
+def _sum_base(tree):
+    for up in range(BASE_LEVEL - 1, -1, -1):
+        m = 1 << (2 * up)
+        here, below = level_offset(up), level_offset(up + 1)
+        for r in range(m):
+            tree[here + r] = (
+                tree[below + r]
+                + tree[below + m + r]
+                + tree[below + 2 * m + r]
+                + tree[below + 3 * m + r]
+            )
+
+
+@kernel
+def build_product(lobes, p, cells, averages, levels, products, scratch):
+    """Write the product of point p; trees[p, 0] is 0 where no light can reach it.
+
+    averages, levels: the LightPyramid
+    """
+    tree = products.trees[p]
+    leaves = tree[BASE_BEGIN:BLOCK_BEGIN]
+    radius, one = np.float32(2.0 / (1 << BASE_LEVEL)), np.float32(1.0)
+    base = (cells.x, cells.y, cells.z, cells.light)
+    lambert = lambert_at(lobes, p)
+    matte = fill_lambert(lambert, *base, BASE_CELLS, radius, one, leaves)
+    products.blocks[p], products.gloss[p] = 0, 0.0
+    if lobes.kind[p] <= DIFFUSE_LOBE:
+        _sum_base(tree)
+        return
+    gloss = gloss_at(lobes, p)
+    add_gloss(gloss, *base, BASE_CELLS, radius, one, leaves, scratch.spread)
+    total = np.float32(0.0)
+    for r in range(BASE_CELLS):
+        total += leaves[r]
+    if total > np.float32(0.0):
+        products.blocks[p] = _cut_steep_cells(
+            lambert, gloss, cells, averages, levels, total, tree, products.links[p], scratch
+        )
+    _sum_base(tree)
+    if tree[0] > np.float32(0.0):
+        products.gloss[p] = max(np.float32(1.0) - matte / tree[0], np.float32(0.0))
