@@ -16,7 +16,8 @@ _CHOICE_TEXTS = {
     "PERCEPTUAL": ("Perceptual", "Samples go where they lower the visible error most"),
     "FIXED": ("Fixed", "Every pixel takes Max Samples"),
     "CENTER": ("Center", "One shading point, at the pixel's center"),
-    "PIXEL": ("Per Pixel", "Shift the points by a hash of pixel and seed"),
+    "OWEN": ("Scrambled", "Each pixel scrambles the points anew: the least noise"),
+    "PIXEL": ("Shifted", "Each pixel shifts the paper's points"),
     "NONE": ("None", "The same points in every pixel, as printed in the paper"),
 }
 _TEXTS_OF_SETTING = {
