@@ -43,13 +43,13 @@ WIS, MIS = "WIS, fixed count", "MIS, own core"
 
 CONFIGURATIONS = (
     Configuration(FIXED, "iwis", {"stop_rule": "FIXED"}, "max_samples", 4, 2),
-    Configuration(DEFAULT, "iwis", {"max_samples": UNLIMITED}, "error_threshold", 0.4, 0.5),
+    Configuration(DEFAULT, "iwis", {"max_samples": UNLIMITED}, "error_threshold", 1.6, 0.5),
     Configuration(
         "IWIS, paper's rule",
         "iwis",
         {"stop_rule": "PAPER", "max_samples": UNLIMITED},
         "error_threshold",
-        0.4,
+        1.6,
         0.5,
     ),
     Configuration(WIS, "core", {"method": "wis"}, "max_samples", 8, 2),
@@ -78,7 +78,7 @@ class Effort(NamedTuple):
     reference_seconds: dict
     repeats: int = 3
     short_seconds: float = 1.5
-    reference_noise: float = 0.004
+    reference_noise: float = 0.006
     reference_samples: int = 1024
     ray_samples: int = 32
     thread_samples: int = 64
@@ -88,7 +88,7 @@ class Effort(NamedTuple):
 
 FULL = Effort(
     render_seconds={"iwis": 12.0, "core": 8.0, "cycles": 40.0, "mitsuba": 20.0},
-    reference_seconds={"iwis": 60.0, "mitsuba": 30.0},
+    reference_seconds={"iwis": 60.0, "mitsuba": 50.0},
 )
 QUICK = Effort(
     render_seconds={"iwis": 1.0, "core": 1.0, "cycles": 4.0, "mitsuba": 1.0},
@@ -115,7 +115,7 @@ SCENES = {
     "statue_diffuse": Picture({}, {"detail": 0.3, "size": (40, 80)}),
     "statue_glossy": Picture({}, {"detail": 0.3, "size": (40, 80)}),
     "foliage": Picture({"size": (192, 192)}, {"size": (40, 40)}),
-    "interior": Picture({"size": (192, 144)}, {"size": (48, 36)}),
+    "interior": Picture({"size": (160, 120)}, {"size": (48, 36)}),
 }
 
 

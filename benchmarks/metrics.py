@@ -57,6 +57,11 @@ def errors(picture, reference, object_mask) -> Errors:
     )
 
 
+def without_noise(error: float, noise: float) -> float:
+    """A mean error less that of its reference: independent errors add in squares."""
+    return float(np.sqrt(max(error**2 - noise**2, 0.0)))
+
+
 def cost_at(error: float, costs, found) -> float | None:
     """The cost at which an error is reached, by straight lines in log-log; None if it is not.
 

@@ -12,13 +12,21 @@ from configurations import CONFIGURATIONS, EDGE_RADIUS_PX, TARGETS, Effort
 from converged import Converged, converge, kept, key_of
 from machine import commit, load
 from methods import Renderers, make_method, reference_method
-from metrics import Errors, errors, measured_pixels, relative_difference
+from metrics import (
+    Errors,
+    errors,
+    luminance,
+    measured_pixels,
+    relative_difference,
+    without_noise,
+)
 from run_core import CoreRun
 from run_mitsuba import MitsubaRun
 
 from iwis.core.scene import DIFFUSE
 
-STALLED = 0.92  # a step that leaves so much of the error (a bias) is the last
+STALLED, SMALL = 0.92, 0.5  # a step that leaves so much of an error that is small: it is a bias
+PENUMBRA = (0.1, 0.9)  # part of the samples that see the light
 SEED_STEP = 1009
 
 
@@ -61,6 +69,13 @@ class Bench(NamedTuple):
         hit = film.layers["depth"][..., 0] < 1e9
         return hit, hit & edge_pixels(self.run, EDGE_RADIUS_PX)
 
+    def penumbra(self) -> np.ndarray:
+        """bool (h, w): pixels that see a part of the light, by PENUMBRA."""
+        film, _ = self.run.render(stop_rule="FIXED", max_samples=self.effort.thread_samples)
+        low, high = PENUMBRA
+        seen = film.layers["visibility"][..., 0]
+        return (low < seen) & (seen < high)
+
 
 def measure(bench: Bench) -> dict:
     """All points of all curves, for JSON."""
@@ -68,7 +83,7 @@ def measure(bench: Bench) -> dict:
         core = CoreRun(bench.run.scene, bench.run.cache, bench.threads)
         renderers = Renderers(bench.scene, bench.run, core, mitsuba)
         hit, edges = bench.masks()
-        mask = hit & ~edges
+        mask, penumbra = hit & ~edges, bench.penumbra()
         reference = bench.kept_reference("iwis", renderers, mask)
         found = {
             "width": hit.shape[1],
@@ -78,6 +93,7 @@ def measure(bench: Bench) -> dict:
             "edge_pixels": int(edges.sum()),
             "measured_pixels": int(measured_pixels(reference.mean, mask).sum()),
             "reference": _told(reference),
+            "penumbra_pixels": int((penumbra & mask).sum()),
             "load": load(),
         }
         references = {"mitsuba": reference}
@@ -90,7 +106,7 @@ def measure(bench: Bench) -> dict:
                 found["mitsuba_reference"] = _told(own) | {
                     "difference": float(np.abs(difference).mean())
                 }
-        found["points"] = _curves(bench, renderers, reference, references, mask)
+        found["points"] = _curves(bench, renderers, reference, references, mask, penumbra)
     return found
 
 
@@ -107,7 +123,7 @@ def _told(reference: Converged) -> dict:
     return {key: value for key, value in reference._asdict().items() if key != "mean"}
 
 
-def _curves(bench, renderers, reference, references, mask) -> list[dict]:
+def _curves(bench, renderers, reference, references, mask, penumbra) -> list[dict]:
     """Points of every configuration, step by step; all configurations take turns."""
     made = {c.name: make_method(c, renderers) for c in CONFIGURATIONS}
     methods = {name: method for name, method in made.items() if method is not None}
@@ -125,14 +141,14 @@ def _curves(bench, renderers, reference, references, mask) -> list[dict]:
                     mine.append(methods[c.name](c.value(step), seed))
         for c in list(going):
             wanted = references.get(c.renderer, reference)
-            points.append(_point(c, step, shots[c.name], wanted, mask))
+            points.append(_point(c, step, shots[c.name], wanted, mask, penumbra))
             if _ended(points, c, bench.effort, wanted.noise):
                 going.remove(c)
         step += 1
     return points
 
 
-def _point(configuration, step, shots, reference, mask) -> dict:
+def _point(configuration, step, shots, reference, mask, penumbra) -> dict:
     found = [errors(shot.rgb, reference.mean, mask) for shot in shots]
     medians = Errors(*(float(np.median(column)) for column in zip(*found, strict=True)))
     return {
@@ -142,14 +158,22 @@ def _point(configuration, step, shots, reference, mask) -> dict:
         "cpu": float(np.median([shot.cpu for shot in shots])),
         "wall": float(np.median([shot.wall for shot in shots])),
         "cpu_of_each": [shot.cpu for shot in shots],
+        "penumbra_bias": _penumbra_bias(shots, reference, mask & penumbra),
         **medians._asdict(),
     }
+
+
+def _penumbra_bias(shots, reference, mask) -> float:
+    """Signed relative difference of the sums over half-lit pixels, of all repeats together."""
+    wanted = luminance(reference.mean)[mask].sum()
+    found = [luminance(shot.rgb)[mask].sum() for shot in shots]
+    return float(np.mean(found) / wanted - 1.0) if wanted else 0.0
 
 
 def _ended(points, configuration, effort, noise) -> bool:
     """Whether a curve needs, or may have, no further point."""
     mine = [p for p in points if p["configuration"] == configuration.name]
     last = mine[-1]
-    enough = last["mre"] < max(0.95 * min(TARGETS), 1.5 * noise)
-    stalled = len(mine) > 2 and last["mre"] > STALLED * mine[-2]["mre"]
+    enough = without_noise(last["mre"], noise) < max(0.95 * min(TARGETS), 1.2 * noise)
+    stalled = len(mine) > 2 and SMALL > last["mre"] > STALLED * mine[-2]["mre"]
     return enough or stalled or 2.0 * last["cpu"] > effort.render_seconds[configuration.renderer]

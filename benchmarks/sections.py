@@ -71,12 +71,14 @@ def error_section(results, pictures, link) -> list[str]:
     plots.error_curves(scenes, pictures / "bench_error.png", title)
     lines = ["## Error against CPU time", "", f"![Error against time]({link}/bench_error.png)", ""]
     lines += [
-        "`noise`: the reference's own error is more than a quarter of that; `≈`: the curve goes on",
-        "as it ended; `>`: not reached; `Cycles / it`: how many times as long Cycles takes.",
+        "The reference's own error is taken off, in squares; `noise`: it is more than half of that;",
+        "`≈`: if the curve goes on as it ended; `>`: not reached; `Cycles / it`: how many times as",
+        "long Cycles takes.",
         "",
     ]
     for name, scene in scenes.items():
         lines += [f"### {title(name)}", "", _about(scene), "", *tables.cost_table(scene), ""]
+        lines += [*tables.points_table(scene), ""]
     lines += ["## The stop rules at equal mean counts", ""]
     for name, scene in scenes.items():
         lines += [f"### {title(name)}", "", *tables.equal_samples_table(scene), ""]
