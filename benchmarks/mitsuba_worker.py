@@ -109,9 +109,8 @@ class Renderer:
         """
         mi, dr = self._mi, self._dr
         n = self._width * self._height
-        at_once = 1
-        while at_once * 2 * n <= POINTS_AT_ONCE and samples % (at_once * 2) == 0:
-            at_once *= 2
+        divisors = [k for k in range(1, samples + 1) if samples % k == 0]
+        at_once = max(k for k in divisors if k == 1 or k * n <= POINTS_AT_ONCE)
         sampler = mi.load_dict({"type": "multijitter", "sample_count": samples})
         sampler.set_samples_per_wavefront(at_once)
         sampler.seed(seed, n * at_once)

@@ -71,7 +71,7 @@ def error_section(results, pictures, link) -> list[str]:
     plots.error_curves(scenes, pictures / "bench_error.png", title)
     lines = ["## Error against CPU time", "", f"![Error against time]({link}/bench_error.png)", ""]
     lines += [
-        "The reference's own error is taken off, in squares; `noise`: it is more than half of that;",
+        "The reference's own error is taken off, in squares; `noise`: it is more than half of it;",
         "`≈`: if the curve goes on as it ended; `>`: not reached; `Cycles / it`: how many times as",
         "long Cycles takes.",
         "",
