@@ -37,21 +37,21 @@ class Configuration(NamedTuple):
 
 
 FIXED = "IWIS, fixed count"
-DEFAULT = "IWIS, default rule"
+DEFAULT, PAPER = "IWIS, PERCEPTUAL", "IWIS, paper's rule"
 CYCLES = "Cycles"
 WIS, MIS = "WIS, fixed count", "MIS, own core"
 
+
+def _ruled(name: str, rule: str) -> Configuration:
+    """IWIS where a rule ends the pixels; its threshold is halved from step to step."""
+    settings = {"stop_rule": rule, "max_samples": UNLIMITED}
+    return Configuration(name, "iwis", settings, "error_threshold", 1.6, 0.5)
+
+
 CONFIGURATIONS = (
     Configuration(FIXED, "iwis", {"stop_rule": "FIXED"}, "max_samples", 4, 2),
-    Configuration(DEFAULT, "iwis", {"max_samples": UNLIMITED}, "error_threshold", 1.6, 0.5),
-    Configuration(
-        "IWIS, paper's rule",
-        "iwis",
-        {"stop_rule": "PAPER", "max_samples": UNLIMITED},
-        "error_threshold",
-        1.6,
-        0.5,
-    ),
+    _ruled(DEFAULT, "PERCEPTUAL"),
+    _ruled(PAPER, "PAPER"),
     Configuration(WIS, "core", {"method": "wis"}, "max_samples", 8, 2),
     Configuration("light only, own core", "core", {"method": "light"}, "max_samples", 8, 2),
     Configuration(MIS, "core", {"method": "mis"}, "max_samples", 8, 2),

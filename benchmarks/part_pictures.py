@@ -1,6 +1,6 @@
 """Part "pictures": the same CPU time for each of four ways, side by side; differences to Cycles.
 
-The time is what IWIS' default rule needs for a moderate error, taken from the curves of the part
+The time is what IWIS' rule PERCEPTUAL needs for a moderate error, taken from the curves of the part
 "error", which has to be there; so are the counts that the others can afford.
 """
 

@@ -37,8 +37,8 @@ def summary(results, pictures, link) -> list[str]:
     rays, threads = of_part(results, "rays"), of_part(results, "threads")
     lines = ["## In short", ""]
     lines += [
-        "CPU time of Cycles, and of the faster of Mitsuba's two ways, over that of IWIS (default",
-        "rule / fixed count) to the same error: .05, or the smallest that all allow. Beside it one",
+        "CPU time of Cycles, and of the faster of Mitsuba's ways, over that of IWIS (PERCEPTUAL /",
+        "fixed count) to the same error: .05, or the smallest that all allow. Beside it one",
         "thread's CPU time over that of its shadow rays alone, and the speed of 2 threads over 1.",
         "",
         "| scene | MRE | Cycles / IWIS | Mitsuba / IWIS | total / rays | threads |",

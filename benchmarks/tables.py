@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from configurations import CONFIGURATIONS, CYCLES, DEFAULT, FIXED, TARGETS
+from configurations import CONFIGURATIONS, CYCLES, DEFAULT, FIXED, PAPER, TARGETS
 from metrics import cost_at, cost_beyond, error_at, without_noise
 
 NOISE_SHARE = 0.5  # of an error, that a reference's own may be to be taken off
 COUNTS = (16, 32, 64)
-PAPER = "IWIS, paper's rule"
 
 
 class Curve:
