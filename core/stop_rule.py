@@ -4,9 +4,9 @@ FIXED: as many as allowed. PAPER: more while e_d > E [Huang07, algorithm 1].
 
 PERCEPTUAL spends them where they lower the mean relative error most. With r the relative standard
 deviation of a sample (neighbours.py), sum r / sqrt(N) is least for a given sum of N at
-N ~ r^(2/3). With the convergence of Halton points, and an eye on the largest errors,
+N ~ r^(2/3). With the convergence of Sobol's points, and an eye on the largest errors,
 
-    N = T r^.75,  T = .5 / E^2
+    N = T r^.75,  T = .45 / E^2
 
 N is decided anew when the samples have doubled. The floor for the dark is .2 / T: what T samples
 would hardly see. docs/decisions/0011-perceptual-rule.md has the figures.
@@ -22,8 +22,8 @@ from ._jit import kernel
 from .neighbours import Neighbours, relative_spread
 from .settings import RenderSettings
 
-# Squared error of Halton's points over that of independent samples, at the counts of E = .1.
-_CONVERGENCE = 0.5
+# Squared error of Sobol's or Halton's points over that of independent samples, at E = .1.
+_CONVERGENCE = 0.45
 _EXPONENT, _FLOOR = 0.75, 0.2
 FIRST_COUNT = 8
 
@@ -35,16 +35,18 @@ def typical_count(error_threshold: float) -> float:
 
 @kernel(forceinline=True)
 def next_count(taken):
-    """The count after ``taken`` at which a point may end: 8, 12, 16, 24, 32, 40, 48, 56, 64, 80 ...
+    """The count after ``taken`` at which a point may end: 8, 12, 16, 24, 32, 48, 64, 96, 128 ...
 
-    Up to 64 in steps of 8 (and 12), then in quarters of the last power of two.
+    Powers of two and what is between two of them: Sobol's points are best spread there, and many
+    points that end together leave long batches for Embree.
     """
-    if taken < 16:
-        return 8 if taken < 8 else taken // 4 * 4 + 4
-    step = 8
-    while 8 * step <= taken:
-        step *= 2
-    return (taken // step + 1) * step
+    power = FIRST_COUNT
+    while 2 * power <= taken:
+        power *= 2
+    if taken < power:
+        return power
+    between = power + power // 2
+    return between if taken < between else 2 * power
 
 
 @kernel(forceinline=True)
@@ -197,7 +199,7 @@ class PerceptualRule:
             self._set(active, sums, wanted)
 
     def finish(self, sums) -> None:
-        """See StopRule: sqrt(.5 / N) r, which is E where r is 1 and N as wanted."""
+        """See StopRule: sqrt(.45 / N) r, which is E where r is 1 and N as wanted."""
         sampled = np.flatnonzero(sums.count).astype(np.int32)
         scale = np.sqrt(_CONVERGENCE / sums.count[sampled])
         sums.error[sampled] = scale * self.spread(sampled, sums)
