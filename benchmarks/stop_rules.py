@@ -73,9 +73,7 @@ class Truth(NamedTuple):
 
 def truth(run: IwisRun, samples: int) -> Truth:
     """The converged picture."""
-    film, _ = run.render(
-        stop_rule="FIXED", max_samples=samples, batch_size=64, seed=REFERENCE_SEED
-    )
+    film, _ = run.render(stop_rule="FIXED", max_samples=samples, batch_size=64, seed=REFERENCE_SEED)
     rgb, seen = film.layers["combined"][..., :3], film.layers["visibility"][..., 0]
     mask = measured_pixels(rgb, film.layers["depth"][..., 0] < 1e9)
     return Truth(luminance(rgb), mask, mask & (seen > PENUMBRA[0]) & (seen < PENUMBRA[1]))
