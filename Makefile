@@ -33,9 +33,7 @@ test:
 
 # Error against CPU time beside Cycles and Mitsuba, scaling, start-up: docs/benchmarks.md, 20 minutes.
 bench:
-	@python="$$($(venv_python))" && \
-		{ "$$python" -c "import matplotlib" 2>&- || "$$python" -m pip install -q -e ".[bench]"; } && \
-		"$$python" benchmarks/suite.py $(ARGS)
+	@python="$$($(venv_python))" && "$$python" benchmarks/suite.py $(ARGS)
 
 lint:
 	@python="$$($(venv_python))" && "$$python" -m ruff check . && "$$python" -m ruff format --check .

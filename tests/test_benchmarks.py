@@ -214,7 +214,6 @@ def test_ratios_of_the_table_are_those_of_the_curves(scene_result):
 @pytest.mark.slow
 def test_page_is_written_of_whatever_results_there_are(tmp_path, scene_result):
     """The page has a scene's table and picture, and no section without results."""
-    pytest.importorskip("matplotlib")
     folder, pictures = tmp_path / "results", tmp_path / "pictures"
     folder.mkdir()
     pictures.mkdir()
@@ -240,7 +239,6 @@ def test_cases_of_scaling_answer_with_what_the_page_shows():
 
 def test_jpegs_stay_small(tmp_path, rng):
     """Noise, which compresses worst, stays below the limit."""
-    pytest.importorskip("PIL")
     panel = rng.random((100, 100, 3))
     save_jpeg(tmp_path / "a.jpg", panel, panel, names=["a", "b"], height=100, most_bytes=20_000)
     assert 0 < (tmp_path / "a.jpg").stat().st_size <= 20_000
