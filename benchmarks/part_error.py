@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from pathlib import Path
+from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
@@ -130,7 +131,7 @@ def _curves(bench, renderers, reference, references, mask, penumbra) -> list[dic
     going = [c for c in CONFIGURATIONS if c.name in methods]
     for c in going:  # compiles kernels, builds tables, loads the scene into Cycles
         methods[c.name](c.value(0), 1)
-    points, step = [], 0
+    points, step, start = [], 0, perf_counter()
     while going:
         shots = {c.name: [] for c in going}
         for repeat in range(bench.effort.repeats):
@@ -144,6 +145,10 @@ def _curves(bench, renderers, reference, references, mask, penumbra) -> list[dic
             points.append(_point(c, step, shots[c.name], wanted, mask, penumbra))
             if _ended(points, c, bench.effort, wanted.noise):
                 going.remove(c)
+        print(
+            f"{bench.name}: step {step}, {len(going)} go on, {perf_counter() - start:.0f} s",
+            flush=True,
+        )
         step += 1
     return points
 
