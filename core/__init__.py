@@ -5,13 +5,17 @@ In the order of the data; a module imports only from groups with a smaller numbe
     _jit, settings                                   0  how kernels are compiled; all defaults
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays
-    camera, embree, albedo_tables, haar_forest,       2  rays, Embree, sparse Haar series
+    camera, embree, albedo_tables, haar_forest,      2  rays, Embree, sparse Haar series
     environment, shading, watch, neighbours
     accel, lobes, pyramid, haar_product,             3  rays, materials at a point; light; products
     table_cache, sequence, stop_rule
-    brdf, lobe_cells, product, tables, incremental   4  the BSDF; light x BSDF; the paper's loop
-    product_build, warp, light_rays, paper_tables    5  product sampling; the tables of a scene
+    brdf, lobe_cells, product, tables, incremental,  4  the BSDF; light x BSDF; the paper's loop
+    pixel_filter
+    product_build, warp, light_rays, paper_tables,   5  product sampling; the tables of a scene
+    pass_sums
     unbiased, paper_products, render_cache, develop  6  the two modes; what is kept; layers
     paper                                            7  mode PAPER
-    reference, render                                8  estimators to compare with; the entry point
+    reference, tile_job                              8  estimators to compare with; a tile's work
+    center_tile, filtered_tile                       9  one shading point a pixel, or several
+    render                                          10  the entry point
 """

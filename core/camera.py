@@ -1,4 +1,4 @@
-"""Pixel -> ray."""
+"""A place in the picture -> ray."""
 
 import numpy as np
 
@@ -7,47 +7,55 @@ from .scene import ORTHOGRAPHIC, Camera
 
 
 @kernel
-def _fill_rays(matrix, window, size, orthographic, x0, y0, nx, ny, origins, directions, near):
+def _fill_rays(matrix, window, size, orthographic, x, y, origins, directions, near):
     left, right, bottom, top = window
-    for j in range(ny):
-        for i in range(nx):
-            px = left + (right - left) * ((x0 + i + 0.5) / size[0])
-            py = bottom + (top - bottom) * ((y0 + j + 0.5) / size[1])
-            k = j * nx + i
-            length = 1.0 if orthographic else np.sqrt(px * px + py * py + 1.0)
-            for a in range(3):
-                plane = matrix[a, 0] * px + matrix[a, 1] * py
-                if orthographic:
-                    directions[k, a] = -matrix[a, 2]
-                    origins[k, a] = matrix[a, 3] + plane - near * matrix[a, 2]
-                else:
-                    direction = (plane - matrix[a, 2]) / length
-                    directions[k, a] = direction
-                    origins[k, a] = matrix[a, 3] + near * length * direction
+    for k in range(len(x)):
+        px = left + (right - left) * (x[k] / size[0])
+        py = bottom + (top - bottom) * (y[k] / size[1])
+        length = 1.0 if orthographic else np.sqrt(px * px + py * py + 1.0)
+        for a in range(3):
+            plane = matrix[a, 0] * px + matrix[a, 1] * py
+            if orthographic:
+                directions[k, a] = -matrix[a, 2]
+                origins[k, a] = matrix[a, 3] + plane - near * matrix[a, 2]
+            else:
+                direction = (plane - matrix[a, 2]) / length
+                directions[k, a] = direction
+                origins[k, a] = matrix[a, 3] + near * length * direction
 
 
-def camera_rays(camera: Camera, x0: int, y0: int, nx: int, ny: int):
-    """The rays through the centres of nx x ny pixels from (x0, y0) up, row by row.
+def rays_through(camera: Camera, x: np.ndarray, y: np.ndarray):
+    """The rays through points of the frame: x, y float64 (n,), pixels, y up; centres are at .5.
 
-    Returns origins on the near clipping plane and unit directions, float32 (nx * ny, 3), world
-    space; the far plane is the caller's (``planar_depth``).
+    Returns origins on the near clipping plane and unit directions, float32 (n, 3), world space; the
+    far plane is the caller's (``planar_depth``).
     """
-    origins = np.empty((nx * ny, 3), np.float32)
-    directions = np.empty((nx * ny, 3), np.float32)
+    origins = np.empty((len(x), 3), np.float32)
+    directions = np.empty((len(x), 3), np.float32)
     _fill_rays(
         np.ascontiguousarray(camera.camera_to_world, np.float64),
         tuple(float(edge) for edge in camera.window),
         (camera.width, camera.height),
         camera.kind == ORTHOGRAPHIC,
-        x0,
-        y0,
-        nx,
-        ny,
+        x,
+        y,
         origins,
         directions,
         float(camera.clip_start),
     )
     return origins, directions
+
+
+def camera_rays(camera: Camera, x0: int, y0: int, nx: int, ny: int):
+    """``rays_through`` the centres of nx x ny pixels from (x0, y0) up, row by row."""
+    columns, rows = pixel_grid(x0, y0, nx, ny)
+    return rays_through(camera, columns + 0.5, rows + 0.5)
+
+
+def pixel_grid(x0: int, y0: int, nx: int, ny: int) -> tuple[np.ndarray, np.ndarray]:
+    """Column and row in the frame of nx x ny pixels from (x0, y0) up, row by row: int64 (n,)."""
+    rows, columns = np.divmod(np.arange(nx * ny), nx)
+    return columns + x0, rows + y0
 
 
 def planar_depth(camera: Camera, positions: np.ndarray) -> np.ndarray:

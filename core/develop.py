@@ -9,6 +9,7 @@ from .environment import EnvironmentLookup, eval_environment_many
 from .film import new_layers
 from .incremental import PixelSums
 from .lobes import Lobes
+from .pass_sums import PassSums
 from .scene import Scene
 from .shading import ShadingPoints
 
@@ -51,14 +52,9 @@ def add_points(
     exposure = scene.exposure
     diffuse = sums.diffuse / count * exposure
     glossy = sums.glossy / count * exposure
+    _write_geometry(layers, scene, points)
     values = {
-        "depth": planar_depth(scene.camera, points.position)[:, None],
-        "position": points.position,
         "normal": points.normal,
-        "object_index": scene.object_pass_index[scene.mesh.object_index[points.triangle]][:, None],
-        "material_index": scene.material_pass_index[scene.mesh.material_index[points.triangle]][
-            :, None
-        ],
         "emission": lobes.emission * exposure,
         "diffuse_direct": _divided(diffuse, lobes.diffuse),
         "diffuse_color": lobes.diffuse,
@@ -75,6 +71,61 @@ def add_points(
     combined = _flat(layers, "combined")
     combined[pixel, :3] = diffuse + glossy + lobes.emission * exposure
     combined[pixel, 3] = 1.0
+
+
+def filtered_layers(
+    scene: Scene, points: ShadingPoints, sums: PassSums, size, max_samples: int
+) -> dict[str, np.ndarray]:
+    """The layers of a tile whose pixels average several shading points.
+
+    points: at the pixels' centres; sums: of the tile's pixels, row by row; size: (width, height)
+    """
+    layers = new_layers(*size)
+    layers["depth"][:] = NO_DEPTH
+    _write_geometry(layers, scene, points)
+    passes = np.maximum(sums.passes, 1)[:, None]
+    light = {
+        name: getattr(sums, name) / passes * np.float64(scene.exposure)
+        for name in ("diffuse", "glossy", "emission", "unoccluded")
+    }
+    values = {
+        name: getattr(sums, name) / passes
+        for name in ("environment", "normal", "diffuse_color", "glossy_color")
+    }
+    values |= {
+        "emission": light["emission"],
+        "unoccluded": light["unoccluded"],
+        "diffuse_direct": _divided(light["diffuse"], values["diffuse_color"]),
+        "glossy_direct": _divided(light["glossy"], values["glossy_color"]),
+        "sample_count": sums.count[:, None] / max_samples,
+        "samples": sums.count[:, None],
+        "error": np.where(np.isfinite(sums.error), sums.error, 0.0)[:, None],
+        "visibility": (sums.visible / np.maximum(sums.count, 1))[:, None],
+    }
+    for name, value in values.items():
+        _flat(layers, name)[:] = value
+    combined = _flat(layers, "combined")
+    combined[:, :3] = light["diffuse"] + light["glossy"] + light["emission"]
+    if scene.transparent_film:
+        combined[:, 3] = sums.hits / passes[:, 0]
+    else:
+        combined[:, :3] += values["environment"] * scene.exposure
+        combined[:, 3] = 1.0
+    return layers
+
+
+def _write_geometry(layers, scene, points) -> None:
+    """Depth, position and indices: of the points, whatever the pixel filter, as in Cycles."""
+    objects = scene.mesh.object_index[points.triangle]
+    materials = scene.mesh.material_index[points.triangle]
+    values = {
+        "depth": planar_depth(scene.camera, points.position)[:, None],
+        "position": points.position,
+        "object_index": scene.object_pass_index[objects][:, None],
+        "material_index": scene.material_pass_index[materials][:, None],
+    }
+    for name, value in values.items():
+        _flat(layers, name)[points.pixel] = value
 
 
 def _divided(light, color):

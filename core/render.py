@@ -10,53 +10,19 @@ import dataclasses
 import os
 import queue
 import threading
-from dataclasses import dataclass
 
-import numpy as np
-
-from .accel import Accel
-from .camera import camera_rays, planar_depth
-from .develop import add_points, background_layers
+from .center_tile import CenterTile
 from .film import Progress, Tile, TileSink
-from .incremental import PixelSums, Sampler, sample_points
+from .filtered_tile import FilteredTile
 from .light_rays import Light
-from .lobes import Lobes, setup_lobes
-from .paper import PaperSampler
 from .paper_tables import PaperTables
 from .render_cache import RenderCache
 from .scene import Scene
-from .sequence import common_points, pixel_sequence
+from .sequence import common_points
 from .settings import RenderSettings
-from .shading import ShadingPoints, params_at, shading_points
 from .stats import RenderStats
-from .unbiased import UnbiasedSampler
+from .tile_job import Job, Rect, TileCounts
 from .watch import POLL_SECONDS, Cancelled, watched
-
-# Points that are sampled together: their products (22 kB each where a lobe is narrow) stay in a
-# core's cache from round to round, and a batch is still long enough for Embree.
-_BLOCK_POINTS = 256
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Job:
-    """All that the workers share."""
-
-    scene: Scene
-    settings: RenderSettings
-    accel: Accel
-    light: Light
-    tables: PaperTables | None
-    sequence: np.ndarray
-    stop: threading.Event
-
-
-@dataclass(frozen=True, slots=True)
-class _TileCounts:
-    shaded: int
-    samples: int
-    samples_max: int
-    shadow_rays: int
-    primary_rays: int
 
 
 def render(
@@ -82,7 +48,7 @@ def render(
     if stats.cancelled:
         return stats
     sequence = common_points(settings.max_samples, settings.point_set)
-    job = _Job(scene, settings, accel, light, tables, sequence, stop)
+    job = Job(scene, settings, accel, light, tables, sequence, stop)
     with stats.phase("sampling"):
         _render_tiles(job, threads, sink, stats)
     return stats
@@ -133,20 +99,21 @@ def _prepare_light(scene, settings, sink, cache, stop, stats) -> tuple[Light, Pa
     return watched(work, sink, stop, "tables") or (None, None)
 
 
-def tile_rects(region: tuple[int, int, int, int], tile_px: int) -> list[tuple[int, int, int, int]]:
-    """(x, y, width, height) of the tiles that cover a region, those at its centre first."""
+def tile_rects(region: tuple[int, int, int, int], tile_px: int) -> list[Rect]:
+    """The tiles that cover a region, those at its centre first."""
     x0, y0, x1, y1 = region
-    rects = [
-        (x, y, min(tile_px, x1 - x), min(tile_px, y1 - y))
-        for y in range(y0, y1, tile_px)
-        for x in range(x0, x1, tile_px)
-    ]
+    rects = []
+    for y in range(y0 - y0 % tile_px, y1, tile_px):
+        for x in range(x0 - x0 % tile_px, x1, tile_px):
+            left, low = max(x, x0), max(y, y0)
+            right, top = min(x + tile_px, x1), min(y + tile_px, y1)
+            rects.append(Rect(left, low, right - left, top - low))
     middle_x, middle_y = (x0 + x1) / 2, (y0 + y1) / 2
     rects.sort(key=lambda r: (r[0] + r[2] / 2 - middle_x) ** 2 + (r[1] + r[3] / 2 - middle_y) ** 2)
     return rects
 
 
-def _render_tiles(job: _Job, threads: int, sink: TileSink, stats: RenderStats) -> None:
+def _render_tiles(job: Job, threads: int, sink: TileSink, stats: RenderStats) -> None:
     rects = tile_rects(job.scene.camera.region, job.settings.tile_px)
     waiting: queue.SimpleQueue = queue.SimpleQueue()
     for rect in rects:
@@ -166,7 +133,7 @@ def _render_tiles(job: _Job, threads: int, sink: TileSink, stats: RenderStats) -
             worker.join()
 
 
-def _work(job: _Job, waiting, finished) -> None:
+def _work(job: Job, waiting, finished) -> None:
     try:
         while not job.stop.is_set():
             finished.put(_render_tile(job, waiting.get_nowait()))
@@ -212,50 +179,9 @@ def _collect(job, workers, finished, n_tiles, sink, stats) -> None:
             )
 
 
-def _render_tile(job: _Job, rect) -> tuple[Tile, _TileCounts]:
-    x, y, width, height = rect
-    scene, accel = job.scene, job.accel
-    origins, directions = camera_rays(scene.camera, x, y, width, height)
-    hit, u, v = accel.intersect(origins, directions)
-    points = shading_points(scene.mesh, hit, u, v, directions, scene.terminator_offset)
-    near_enough = planar_depth(scene.camera, points.position) <= scene.camera.clip_end
-    if not near_enough.all():
-        points = ShadingPoints(*(np.ascontiguousarray(column[near_enough]) for column in points))
-    missed = np.ones(width * height, np.bool_)
-    missed[points.pixel] = False
-    layers = background_layers(scene, job.light.lookup, directions, missed, (width, height))
-    n, traced, samples, most = len(points.pixel), 0, 0, 0
-    if n:
-        rows = scene.mesh.material_index[points.triangle]
-        lobes = setup_lobes(
-            params_at(scene.materials, rows), points.normal, points.geometric_normal, points.wo
-        )
-        sums, traced = _sample_in_blocks(job, points, lobes, rows, (x, y, width))
-        samples, most = int(sums.count.sum()), int(sums.count.max())
-        add_points(layers, scene, points, lobes, sums, job.settings.max_samples)
-    return Tile(x, y, width, height, layers), _TileCounts(n, samples, most, traced, len(hit))
-
-
-def _sample_in_blocks(job: _Job, points, lobes, rows, tile) -> tuple[PixelSums, int]:
-    """Run the sampling of a tile's points, a block after another: (sums, shadow rays traced)."""
-    settings, parts, traced = job.settings, [], 0
-    for first in range(0, len(rows), _BLOCK_POINTS):
-        block = slice(first, first + _BLOCK_POINTS)
-        own_points = ShadingPoints(*(column[block] for column in points))
-        own_lobes = Lobes(*(column[block] for column in lobes))
-        sampler = _make_sampler(job, own_points, own_lobes, rows[block], tile)
-        sums, n_rays = sample_points(
-            sampler, len(own_points.pixel), job.accel, settings, job.stop.is_set
-        )
-        parts.append(sums)
-        traced += n_rays
-    return PixelSums(*(np.concatenate(columns) for columns in zip(*parts, strict=True))), traced
-
-
-def _make_sampler(job: _Job, points: ShadingPoints, lobes: Lobes, rows, tile) -> Sampler:
-    settings, offset = job.settings, job.accel.offset
-    kind = settings.point_set
-    sequence = pixel_sequence(job.sequence, points.pixel, tile, settings.seed, kind)
-    if settings.estimator == "PAPER":
-        return PaperSampler(points, lobes, rows, job.tables, sequence, offset)
-    return UnbiasedSampler(points, lobes, job.light, sequence, offset)
+def _render_tile(job: Job, rect: Rect) -> tuple[Tile, TileCounts]:
+    work = (
+        FilteredTile(job, rect) if job.settings.pixel_filter != "CENTER" else CenterTile(job, rect)
+    )
+    work.advance(job.settings.max_samples)
+    return work.develop(), work.counts()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 ESTIMATORS = ("PAPER", "UNBIASED")
 STOP_RULES = ("PERCEPTUAL", "PAPER", "FIXED")
-PIXEL_FILTERS = ("CENTER",)
+PIXEL_FILTERS = ("CENTER", "BOX", "BLACKMAN_HARRIS")
 DECORRELATIONS = ("OWEN", "PIXEL", "NONE")
 
 # Bounds, shared by Blender's sliders, the command line and the checks: name -> (low, high).
@@ -18,6 +18,7 @@ LIMITS = {
     "coefficients": (0.001, 1.0),
     "seed": (0, (1 << 31) - 1),
     "threads": (0, 1024),
+    "filter_width": (0.01, 10.0),
     "tile_px": (8, 256),
 }
 CHOICES = {
@@ -42,7 +43,10 @@ class RenderSettings:
     stop_rule: PERCEPTUAL (samples where they lower the mean relative error most), PAPER
         (e_d <= E) or FIXED (max_samples everywhere)
     coefficients: fraction of the Haar coefficients that the paper's tables keep
-    pixel_filter: CENTER, one shading point at the pixel's centre
+    pixel_filter: CENTER, one shading point at the pixel's centre; BOX or BLACKMAN_HARRIS, several,
+        each with n samples, spread as Cycles' filter of that name weighs
+    filter_width: pixels, as Cycles means them: how far BLACKMAN_HARRIS reaches to either side; BOX
+        is one pixel wide in any case
     decorrelation: what makes the points of two pixels differ: OWEN (Sobol's sequence, scrambled by
         a hash of pixel and seed; estimator PAPER takes PIXEL instead), PIXEL (Halton's, shifted by
         it) or NONE (Halton's, as printed in the paper)
@@ -59,6 +63,7 @@ class RenderSettings:
     stop_rule: str = "PAPER"
     coefficients: float = 0.05
     pixel_filter: str = "CENTER"
+    filter_width: float = 1.5
     decorrelation: str = "OWEN"
     seed: int = 0
     threads: int = 0

@@ -118,7 +118,6 @@ class IWIS_PT_sampling_advanced(_IWISPanel, bpy.types.Panel):
             "estimator",
             "coefficients",
             "batch_size",
-            "pixel_filter",
             "decorrelation",
             "seed",
         ):
@@ -170,6 +169,17 @@ class IWIS_PT_film(_IWISPanel, bpy.types.Panel):
         layout.operator("iwis.save_film")
 
 
+class IWIS_PT_film_pixel_filter(_IWISPanel, bpy.types.Panel):
+    bl_label = "Pixel Filter"
+    bl_parent_id = "IWIS_PT_film"
+
+    def draw(self, context):
+        column, iwis = self.split_layout().column(), context.scene.iwis
+        column.prop(iwis, "pixel_filter", text="Type")
+        if iwis.pixel_filter == "BLACKMAN_HARRIS":
+            column.prop(iwis, "filter_width", text="Width")
+
+
 class _PassesPanel(_IWISPanel):
     bl_context = "view_layer"
     bl_parent_id = "VIEWLAYER_PT_layer_passes"
@@ -204,6 +214,7 @@ CLASSES = (
     IWIS_PT_sampling_advanced,
     IWIS_PT_performance,
     IWIS_PT_film,
+    IWIS_PT_film_pixel_filter,
     IWIS_PT_simplify,
     IWIS_PT_passes_data,
     IWIS_PT_passes_light,

@@ -15,7 +15,9 @@ _CHOICE_TEXTS = {
     "PAPER": ("Paper", "As printed in the paper"),
     "PERCEPTUAL": ("Perceptual", "Samples go where they lower the visible error most"),
     "FIXED": ("Fixed", "Every pixel takes Max Samples"),
-    "CENTER": ("Center", "One shading point, at the pixel's center"),
+    "CENTER": ("Center", "One shading point, at the pixel's center: no anti-aliasing"),
+    "BOX": ("Box", "Box filter, one pixel wide"),
+    "BLACKMAN_HARRIS": ("Blackman-Harris", "Blackman-Harris filter, as Cycles has it by default"),
     "OWEN": ("Scrambled", "Each pixel scrambles the points anew: the least noise"),
     "PIXEL": ("Shifted", "Each pixel shifts the paper's points"),
     "NONE": ("None", "The same points in every pixel, as printed in the paper"),
@@ -88,7 +90,15 @@ class IWISSceneProperties(bpy.types.PropertyGroup):
         )
     )
     pixel_filter: EnumProperty(
-        **_choice("pixel_filter", name="Pixel Filter", description="Which points a pixel averages")
+        **_choice("pixel_filter", name="Filter Type", description="Pixel filter type")
+    )
+    filter_width: FloatProperty(
+        **_number(
+            "filter_width",
+            name="Filter Width",
+            description="Pixel filter width",
+            subtype="PIXEL",
+        )
     )
     decorrelation: EnumProperty(
         **_choice(

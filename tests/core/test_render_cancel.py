@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-import iwis.core.render as render_module
+import iwis.core.center_tile as tile_module
 from iwis.core.film import Film
 from iwis.core.render import prepare_tables, render
 from iwis.core.render_cache import RenderCache
@@ -63,7 +63,9 @@ def _workers():
 def warm(table_dir):
     """Kernels are compiled before seconds are measured."""
     for estimator in ("UNBIASED", "PAPER"):
-        make_picture(varied_scene(), estimator=estimator, max_samples=8, cache_dir=table_dir)
+        for pixel_filter in ("CENTER", "BLACKMAN_HARRIS"):
+            settings = {"estimator": estimator, "pixel_filter": pixel_filter, "max_samples": 8}
+            make_picture(varied_scene(), cache_dir=table_dir, **settings)
 
 
 @pytest.mark.parametrize("estimator", ["UNBIASED", "PAPER"])
@@ -75,8 +77,9 @@ def test_cancel_at_the_first_question_delivers_nothing(estimator, table_dir):
     assert stats.cancelled and film.tiles == [] and seconds < ANSWER_SECONDS
 
 
+@pytest.mark.parametrize("pixel_filter", ["CENTER", "BLACKMAN_HARRIS"])
 @pytest.mark.parametrize("estimator", ["UNBIASED", "PAPER"])
-def test_cancel_in_mid_sampling_delivers_what_is_there(estimator, table_dir):
+def test_cancel_in_mid_sampling_delivers_what_is_there(estimator, pixel_filter, table_dir):
     """Tiles in work come with the samples they have, whole and finite, within 0.2 s."""
 
     started = []
@@ -90,6 +93,7 @@ def test_cancel_in_mid_sampling_delivers_what_is_there(estimator, table_dir):
         varied_scene(),
         when,
         estimator=estimator,
+        pixel_filter=pixel_filter,
         cache_dir=table_dir,
         max_samples=LONG,
         stop_rule="FIXED",
@@ -172,7 +176,7 @@ def test_prepare_tables_can_be_cancelled(tmp_path):
 def test_a_workers_error_is_raised_in_the_caller(threads, monkeypatch):
     """The very exception; all workers have ended by then."""
     error = MemoryError("tile 5")
-    real, calls = render_module.camera_rays, []
+    real, calls = tile_module.camera_rays, []
 
     def failing(*arguments):
         calls.append(arguments)
@@ -180,7 +184,7 @@ def test_a_workers_error_is_raised_in_the_caller(threads, monkeypatch):
             raise error
         return real(*arguments)
 
-    monkeypatch.setattr(render_module, "camera_rays", failing)
+    monkeypatch.setattr(tile_module, "camera_rays", failing)
     with pytest.raises(MemoryError) as caught:
         make_picture(varied_scene(), max_samples=8, tile_px=8, threads=threads)
     assert caught.value is error

@@ -18,6 +18,7 @@ def test_defaults_are_the_papers_and_the_issues():
         "stop_rule": "PAPER",
         "coefficients": 0.05,
         "pixel_filter": "CENTER",
+        "filter_width": 1.5,
         "decorrelation": "OWEN",
         "seed": 0,
         "threads": 0,

@@ -3,10 +3,13 @@
 World space, metres, z up. A part of a mesh is a tuple (vertices, triangles, corner normals).
 """
 
+import threading
+
 import numpy as np
 
 from iwis.core.film import Film
 from iwis.core.render import render
+from iwis.core.render_cache import RenderCache
 from iwis.core.scene import (
     BLACK,
     DIFFUSE,
@@ -21,7 +24,9 @@ from iwis.core.scene import (
     Scene,
     TriangleMesh,
 )
+from iwis.core.sequence import common_points
 from iwis.core.settings import RenderSettings
+from iwis.core.tile_job import Job
 
 MATERIAL = {
     "model": DIFFUSE,
@@ -245,3 +250,12 @@ def make_picture(scene: Scene, cache=None, **settings):
     film = Film(scene.camera.region)
     stats = render(scene, RenderSettings(**({"threads": 1} | settings)), film, cache)
     return film.layers, stats
+
+
+def make_job(scene: Scene, **settings) -> Job:
+    """What a tile of a render with these settings works on; estimator UNBIASED only."""
+    settings, cache = RenderSettings(**settings), RenderCache()
+    light = cache.light(scene.environment, 1, lambda: False)
+    sequence = common_points(settings.max_samples, settings.point_set)
+    accel, stop = cache.accel(scene.mesh), threading.Event()
+    return Job(scene, settings, accel, light, None, sequence, stop)
