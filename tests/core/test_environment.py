@@ -154,6 +154,22 @@ def test_no_direction_leaves_the_map(rng, projection, interpolation, shape):
     assert ours.min() > 0.2499 and ours.max() < 0.7501
 
 
+@pytest.mark.parametrize("projection", [EQUIRECTANGULAR, MIRROR_BALL])
+def test_directions_near_an_axis_stay_in_the_map(rng, projection):
+    """Where a mirror ball's formula is a quotient of two roundings: still the texels' formula."""
+    axis = np.repeat([[0.0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1], [1, 0, 0]], 400, 0)
+    off = rng.normal(size=axis.shape) * 10.0 ** rng.uniform(-8, -2, (len(axis), 1))
+    directions = (axis + off).astype(np.float32)
+    environment = some_map(rng, projection=projection)
+    ours = looked_up(environment, directions)
+    assert ours.min() >= 0.0 and ours.max() <= 1.0
+    away = np.abs(off).max(1) > 1e-3 if projection == MIRROR_BALL else np.abs(off).max(1) > 1e-5
+    near_minus_y = axis[:, 1] < 0.0  # the rim, where all directions are one
+    some = directions[away & ~near_minus_y]
+    expected = [radiance_at(environment, d) for d in some]
+    np.testing.assert_allclose(looked_up(environment, some), expected, rtol=0, atol=2e-3)
+
+
 def test_zero_vector_is_looked_up_at_zero(rng):
     """As in Cycles: the corner where four texels meet."""
     environment = some_map(rng)
