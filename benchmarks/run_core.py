@@ -46,7 +46,7 @@ class CoreRun:
     def __init__(self, scene: Scene, cache: RenderCache, threads: int):
         self._scene, self._threads, self._cache = scene, threads, cache
         self._accel = cache.accel(scene.mesh)
-        self._light = cache.light(scene.environment, threads, lambda: False)
+        self._light = cache.light(scene.environment)
         self._tables = None
 
     def render(self, method: str, count: int, seed: int = 0) -> CorePicture:

@@ -10,11 +10,11 @@ In the order of the data; a module imports only from groups with a smaller numbe
     accel, lobes, pyramid, haar_product,             3  rays, materials at a point; light; products
     table_cache, sequence, stop_rule
     brdf, lobe_cells, product, tables, incremental,  4  the BSDF; light x BSDF; the paper's loop
-    pixel_filter
+    pixel_filter, cell_lookup, light_cache
     product_build, warp, light_rays, paper_tables,   5  product sampling; the tables of a scene
-    pass_sums
-    unbiased, paper_products, render_cache, develop  6  the two modes; what is kept; layers
-    paper                                            7  mode PAPER
+    pass_sums, light_cells
+    unbiased, paper_products, light_tree, develop    6  the two modes; the light; layers
+    paper, render_cache                              7  mode PAPER; what is kept
     reference, tile_job                              8  estimators to compare with; a tile's work
     center_tile, filtered_tile                       9  one shading point a pixel, or several
     render                                          10  the entry point

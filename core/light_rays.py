@@ -40,8 +40,7 @@ def _is_lifted(at, points, light, p, wx, wy, wz, u):
     above = face[p, 0] * wx + face[p, 1] * wy + face[p, 2] * wz
     if below <= _ZERO or above >= below + below:  # lift_share would be 0
         return False
-    averages, levels = light.pyramid.averages, light.pyramid.levels
-    by_light = pdf_light(averages, levels, np.float64(wx), np.float64(wy), np.float64(wz))
+    by_light = pdf_light(light.pyramid, np.float64(wx), np.float64(wy), np.float64(wz))
     by_bsdf = np.float64(pdf_at(at, wx, wy, wz))
     return u * (by_light * by_light + by_bsdf * by_bsdf) < by_light * by_light
 

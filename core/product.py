@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
-from .pyramid import LightPyramid, level_offset, morton_to_row_column, row_column_to_morton
+from .pyramid import LightPyramid, eval_leaf, level_offset, morton_to_row_column
 from .sphere_map import square_to_sphere
 
 BASE_LEVEL, BLOCK_LEVELS = 5, 2
@@ -146,18 +146,13 @@ def _product_cell(products, p, cell, levels):
 
 
 @kernel(forceinline=True)
-def pdf_product(products, p, averages, levels, square_x, square_y):
+def pdf_product(products, p, light, square_x, square_y):
     """The density, sr^-1, that warp.py gives the direction at a point of the square."""
-    finest = max(levels, DEEPEST_LEVEL)
-    side = 1 << finest
-    column = min(int(square_x * side), side - 1)
-    row = min(int(square_y * side), side - 1)
-    cell = row_column_to_morton(row, column, finest)
-    value, level = _product_cell(products, p, cell, finest)
-    level = min(level, levels)
-    around = np.float64(averages[level_offset(level) + (cell >> (2 * (finest - level)))])
+    radiance, cell = eval_leaf(light, square_x, square_y)
+    value, level = _product_cell(products, p, cell, light.levels)
+    above = level_offset(level) + (cell >> (2 * (light.levels - level)))
+    around = np.float64(light.averages[above])
     if around <= 0.0:
         return 0.0
-    light = np.float64(averages[level_offset(levels) + (cell >> (2 * (finest - levels)))])
     scale = BASE_CELLS / (4.0 * math.pi * np.float64(products.trees[p, 0]))
-    return value * scale * (light / around)
+    return value * scale * (radiance / around)

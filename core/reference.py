@@ -50,11 +50,14 @@ def descend(a, b, c, d, x, y):
 
 
 @kernel
-def sample_light(averages, levels, x, y):
+def sample_light(pyramid, x, y):
     """A direction in proportion to the light's luminance: (dx, dy, dz, pdf in sr^-1)."""
-    cell = 0
-    for step in range(levels):
-        below = level_offset(step + 1) + 4 * cell
+    averages, levels, children = pyramid.averages, pyramid.levels, pyramid.children
+    cell, level, node = 0, 0, 0
+    while level < levels or children[node] > 0:
+        below = np.int64(children[node])
+        if level < levels:
+            below = level_offset(level + 1) + 4 * cell
         quadrant, x, y = descend(
             np.float64(averages[below]),
             np.float64(averages[below + 1]),
@@ -63,17 +66,16 @@ def sample_light(averages, levels, x, y):
             x,
             y,
         )
-        cell = 4 * cell + quadrant
-    row, column = morton_to_row_column(cell, levels)
-    side = 1 << levels
+        cell, node, level = 4 * cell + quadrant, below + quadrant, level + 1
+    row, column = morton_to_row_column(cell, level)
+    side = 1 << level
     dx, dy, dz = square_to_sphere((column + x) / side, (row + y) / side)
-    light = np.float64(averages[level_offset(levels) + cell])
+    light = np.float64(averages[node])
     return dx, dy, dz, light / (4.0 * math.pi * np.float64(averages[0]))
 
 
 @kernel
 def _sample_round(points, lobes, light, share, sequence, offset, active, first, count, rays):
-    averages, levels = light.pyramid.averages, light.pyramid.levels
     n = 0
     for a in range(len(active)):
         p = active[a]
@@ -83,10 +85,10 @@ def _sample_round(points, lobes, light, share, sequence, offset, active, first, 
             if x < share:
                 wx, wy, wz, _ = sample_at(at, np.float32(x / share), np.float32(y))
                 dx, dy, dz = np.float64(wx), np.float64(wy), np.float64(wz)
-                from_light = pdf_light(averages, levels, dx, dy, dz)
+                from_light = pdf_light(light.pyramid, dx, dy, dz)
             else:
                 x = (x - share) / (1.0 - share)
-                dx, dy, dz, from_light = sample_light(averages, levels, x, y)
+                dx, dy, dz, from_light = sample_light(light.pyramid, x, y)
                 wx, wy, wz = np.float32(dx), np.float32(dy), np.float32(dz)
             pdf = np.float32(
                 share * np.float64(pdf_at(at, wx, wy, wz)) + (1.0 - share) * from_light

@@ -82,17 +82,17 @@ def _prepare_light(scene, settings, sink, cache, stop, stats) -> tuple[Light, Pa
     threads = worker_count(settings)
 
     def work(tell):
-        light = cache.light(scene.environment, threads, stop.is_set)
-        if settings.estimator != "PAPER" or stop.is_set():
-            return light, None
-
         def step(fraction, text):
             tell(fraction, text)
             if stop.is_set():
                 raise Cancelled
 
+        light = cache.light(scene.environment, settings.cache_dir, step)
+        stats.warnings.extend(cache.light_warnings)
+        if settings.estimator != "PAPER" or stop.is_set():
+            return light, None
         tables, warnings, notes = cache.tables(scene, light, settings, threads, step)
-        stats.warnings.extend(warnings)
+        stats.warnings.extend(text for text in warnings if text not in stats.warnings)
         stats.tables.extend(notes)
         return light, tables
 

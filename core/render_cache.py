@@ -6,20 +6,28 @@ import numpy as np
 
 from .accel import Accel
 from .environment import make_lookup
+from .light_cache import light_key, load_light, save_light
 from .light_rays import Light, make_light
+from .light_tree import build_pyramid
 from .paper_tables import PaperTables, TableBuilder
-from .pyramid import build_pyramid
+from .pyramid import LightPyramid
 from .scene import EnvironmentMap, Scene, TriangleMesh
 from .settings import RenderSettings
+from .table_cache import table_folder
 
 
 class RenderCache:
-    """What is kept from one render to the next while its source stays the same object."""
+    """What is kept from one render to the next while its source stays the same.
+
+    light_warnings: what went wrong in keeping the last light on disk
+    """
 
     def __init__(self):
         self._accel: Accel | None = None
         self._environment: EnvironmentMap | None = None
         self._light: Light | None = None
+        self._unit: LightPyramid | None = None  # of the light, at strength 1
+        self.light_warnings: list[str] = []
         self._builder = TableBuilder()
 
     def accel(self, mesh: TriangleMesh, cancelled=lambda: False) -> Accel:
@@ -30,13 +38,48 @@ class RenderCache:
             self._accel = accel = Accel(mesh, cancelled)
         return accel
 
-    def light(self, environment: EnvironmentMap, threads: int, cancelled) -> Light:
-        """The quadtree of this environment, built unless it is the last one's."""
-        if self._light is None or not _same_light(environment, self._environment):
+    def light(
+        self,
+        environment: EnvironmentMap,
+        cache_dir: str | None = None,
+        progress=lambda fraction, text: None,
+    ) -> Light:
+        """The light of this environment: the last one's, or out of the cache folder, or built anew.
+
+        cache_dir: of the settings; None: nothing is read or kept on disk
+        progress(fraction, text) is told every few milliseconds, and may raise to stop.
+        """
+        self.light_warnings = []
+        before, self._environment = self._environment, None
+        if before is not None and _same_map(environment, before):
+            lookup = self._light.lookup
+        else:
+            self._light = self._unit = None  # two lights at once would double the peak
             lookup = make_lookup(environment)
-            self._light = make_light(lookup, build_pyramid(lookup, threads, cancelled))
-            self._environment = None if cancelled() else environment
+            self._unit = self._read_or_build(
+                lookup._replace(strength=_relative(environment.strength)),
+                cache_dir,
+                lambda fraction: progress(fraction, "Preparing the light"),
+            )
+        if before is None or self._light is None or _differ(environment.strength, before.strength):
+            pyramid, strongest = self._unit, environment.strength.max()
+            if strongest not in (0.0, 1.0):  # brighter or darker as a whole: the same tree
+                pyramid = pyramid._replace(averages=pyramid.averages * strongest)
+            self._light = make_light(lookup._replace(strength=environment.strength), pyramid)
+        self._environment = environment
         return self._light
+
+    def _read_or_build(self, lookup, cache_dir, progress) -> LightPyramid:
+        if cache_dir is None:
+            return build_pyramid(lookup, progress)
+        folder = table_folder(cache_dir)
+        key = light_key(lookup, progress)
+        pyramid = load_light(folder, key)
+        if pyramid is None:
+            pyramid = build_pyramid(lookup, progress)
+            warning = save_light(folder, key, pyramid)
+            self.light_warnings = [warning] if warning else []
+        return pyramid
 
     def tables(
         self, scene: Scene, light: Light, settings: RenderSettings, threads: int, progress
@@ -46,10 +89,28 @@ class RenderCache:
         return tables, self._builder.warnings, self._builder.notes
 
 
-def _same_light(a: EnvironmentMap, b: EnvironmentMap | None) -> bool:
-    return b is not None and (
-        (a.projection, a.interpolation) == (b.projection, b.interpolation)
-        and np.array_equal(a.world_to_map, b.world_to_map)
-        and np.array_equal(a.strength, b.strength)
-        and (a.radiance is b.radiance or np.array_equal(a.radiance, b.radiance))
+def _relative(strength: np.ndarray) -> np.ndarray:
+    """A strength whose largest channel is 1, or 0 as it was."""
+    strongest = strength.max()
+    return strength / strongest if strongest > 0.0 else strength
+
+
+def _differ(a: np.ndarray, b: np.ndarray) -> bool:
+    return a is not b and not np.array_equal(a, b)
+
+
+def _same_map(a: EnvironmentMap, b: EnvironmentMap) -> bool:
+    """Whether two maps differ by a factor at most."""
+    if (a.projection, a.interpolation) != (b.projection, b.interpolation):
+        return False
+    if _differ(a.world_to_map, b.world_to_map):
+        return False
+    if _differ(_relative(a.strength), _relative(b.strength)):
+        return False
+    if a.radiance.shape != b.radiance.shape:
+        return False
+    # By parts: a comparison of 8K maps would need 100 MB for its answers.
+    return a.radiance is b.radiance or not any(
+        _differ(a.radiance[i : i + 64], b.radiance[i : i + 64])
+        for i in range(0, len(a.radiance), 64)
     )

@@ -95,7 +95,8 @@ class EnvironmentMap:
         _expect("radiance", self.radiance, np.float32, self.radiance.shape)
         _expect("world_to_map", self.world_to_map, np.float32, (3, 4))
         _expect("strength", self.strength, np.float32, (3,))
-        if not np.isfinite(self.radiance).all() or self.radiance.min() < 0.0:
+        low, high = self.radiance.min(), self.radiance.max()  # NaN goes through both
+        if not (low >= 0.0 and high < np.inf):
             raise ValueError(f"world {self.name}: radiance must be finite and not negative")
 
 

@@ -38,10 +38,16 @@ def table_key(kind: str, *parts) -> str:
 
 def load_table(folder: Path, key: str) -> HaarForest | None:
     """The table of that key, or None where there is none that can be read."""
+    arrays = load_arrays(folder, key, HaarForest._fields)
+    return None if arrays is None else HaarForest(*arrays)
+
+
+def load_arrays(folder: Path, key: str, names) -> list[np.ndarray] | None:
+    """The arrays of that key, in the order of their names, or None where they cannot be read."""
     path = folder / key
     try:
         with path.open("rb") as file, np.load(file) as stored:  # np.load(path) leaks what is cut
-            return HaarForest(*(stored[name] for name in HaarForest._fields))
+            return [stored[name] for name in names]
     except (FileNotFoundError, NotADirectoryError):
         return None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
@@ -51,18 +57,23 @@ def load_table(folder: Path, key: str) -> HaarForest | None:
 
 def save_table(folder: Path, key: str, forest: HaarForest) -> str | None:
     """Keep a table, whole or not at all; returns a warning where that failed."""
+    return save_arrays(folder, key, forest._asdict())
+
+
+def save_arrays(folder: Path, key: str, arrays: dict[str, np.ndarray]) -> str | None:
+    """Keep arrays, whole or not at all; returns a warning where that failed."""
     temporary = None
     try:
         folder.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(suffix=".part", dir=folder)
         with os.fdopen(handle, "wb") as file:
-            np.savez(file, **forest._asdict())
+            np.savez(file, **arrays)
         os.replace(temporary, folder / key)
     except OSError as error:
         if temporary is not None:
             Path(temporary).unlink(missing_ok=True)
         return (
-            f"cache folder {folder}: cannot keep the wavelet tables ({error.strerror or error}); "
-            "they are built again at each render. Choose another cache folder"
+            f"cache folder {folder}: cannot keep tables ({error.strerror or error}): they are "
+            "built again at each render. Choose another cache folder"
         )
     return None

@@ -151,7 +151,7 @@ def _follow_lobes(task, work, n_follows):
         p = lanes.point[s]
         wx, wy, wz = sample_narrowest_at(lobes_at(task.lobes, p), work.x[i], work.y[i])
         x, y = sphere_to_square(np.float64(wx), np.float64(wy), np.float64(wz))
-        pdf = pdf_product(task.products, p, pyramid.averages, pyramid.levels, x, y)
+        pdf = pdf_product(task.products, p, pyramid, x, y)
         numbers[DX + s], numbers[DY + s], numbers[DZ + s], numbers[PDF + s] = wx, wy, wz, pdf
 
 

@@ -40,6 +40,7 @@ _ZERO, _HALF, _ONE, _TWO = np.float32(0.0), np.float32(0.5), np.float32(1.0), np
 _BELOW_ONE = np.float32(1.0 - 2.0**-24)
 _QUARTER_PI, _SQRT_HALF = np.float32(0.25 * math.pi), np.float32(math.sqrt(0.5))
 _TINY = np.float32(1e-30)
+_FEW = 8  # a part of the lanes smaller than this is not worth a step of all
 
 
 class Lanes(NamedTuple):
@@ -48,6 +49,7 @@ class Lanes(NamedTuple):
     numbers: float32 (rows * LANES,): X, Y, DX ... are where a row begins
     cell, quadrant: int32 (LANES,), where a lane is, and where it goes
     block: int32 (LANES,), 1 + the block of its product that it is in, 0 = none
+    node: int32 (LANES,), where it is in the light, below the whole levels
     tree: int64 (LANES,), where the lane's product begins in the array of all products
     point, sample: int32 (LANES,), the caller's: shading point and index of its sample
     """
@@ -56,6 +58,7 @@ class Lanes(NamedTuple):
     cell: np.ndarray
     quadrant: np.ndarray
     block: np.ndarray
+    node: np.ndarray
     tree: np.ndarray
     point: np.ndarray
     sample: np.ndarray
@@ -65,6 +68,7 @@ def new_lanes() -> Lanes:
     """Lanes with nothing in them."""
     return Lanes(
         np.zeros(_ROWS * LANES, np.float32),
+        np.zeros(LANES, np.int32),
         np.zeros(LANES, np.int32),
         np.zeros(LANES, np.int32),
         np.zeros(LANES, np.int32),
@@ -178,7 +182,7 @@ def _descend_blocks(products, light, scale, lanes, n):
 
 @kernel
 def _descend_light(averages, level, levels, lanes, n):
-    """From a cell of ``level`` (Morton order) to one of the light's finest."""
+    """From a cell of ``level`` (Morton order) to one of the light's last whole level."""
     numbers, cell = lanes.numbers, lanes.cell
     for step in range(level, levels):
         begin = level_offset(step + 1)
@@ -189,6 +193,69 @@ def _descend_light(averages, level, levels, lanes, n):
         _choose_children(numbers, lanes.quadrant, n)
         for s in range(n):
             cell[s] = 4 * cell[s] + lanes.quadrant[s]
+
+
+@kernel
+def _descend_alone(light, numbers, s, node):
+    """Lane s on from a node to its leaf, which is returned; X and Y stay those of the node."""
+    averages, children = light.averages, light.children
+    x, y = numbers[X + s], numbers[Y + s]
+    column, row, size = _ZERO, _ZERO, _ONE
+    while children[node] > 0:
+        child, size = children[node], _HALF * size
+        top, bottom = (
+            averages[child] + averages[child + 1],
+            averages[child + 2] + averages[child + 3],
+        )
+        y *= top + bottom
+        if y >= top and bottom > _ZERO:
+            y, row, top, child = y - top, row + size, bottom, child + 2
+        y = min(y / top, _BELOW_ONE)
+        x *= top
+        left, right = averages[child], averages[child + 1]
+        if x >= left and right > _ZERO:
+            x, column, left, child = x - left, column + size, right, child + 1
+        x = min(x / left, _BELOW_ONE)
+        node = child
+    numbers[X + s] = min(column + size * x, _BELOW_ONE)
+    numbers[Y + s] = min(row + size * y, _BELOW_ONE)
+    return node
+
+
+@kernel
+def _descend_leaves(light, lanes, n):
+    """On from the last whole level to the leaves; returns the level that all lanes end at.
+
+    A lane that is in its leaf already goes on evenly, which leaves its point where it is. The last
+    few lanes that are not go on alone.
+    """
+    averages, children = light.averages, light.children
+    numbers, cell, node = lanes.numbers, lanes.cell, lanes.node
+    begin = np.int32(level_offset(light.levels))
+    for s in range(n):
+        node[s] = begin + cell[s]
+    for level in range(light.levels, light.deepest):
+        inside = 0
+        for s in range(n):
+            child = children[node[s]]
+            inside += child > 0
+            a, b = averages[child], averages[child + 1]
+            c, d = averages[child + 2], averages[child + 3]
+            numbers[_A + s] = a if child > 0 else _ONE
+            numbers[_B + s] = b if child > 0 else _ONE
+            numbers[_C + s] = c if child > 0 else _ONE
+            numbers[_D + s] = d if child > 0 else _ONE
+        if inside * _FEW < n:
+            for s in range(n):
+                if children[node[s]] > 0:
+                    node[s] = _descend_alone(light, numbers, s, node[s])
+            return level
+        _choose_children(numbers, lanes.quadrant, n)
+        for s in range(n):
+            child = children[node[s]]
+            node[s] = child + lanes.quadrant[s] if child > 0 else node[s]
+            cell[s] = 4 * cell[s] + lanes.quadrant[s]
+    return light.deepest
 
 
 @kernel
@@ -223,7 +290,7 @@ def warp_lanes(products, cut, morton, light, lanes, n):
     LightPyramid below. PDF is in sr^-1.
     """
     numbers, cell = lanes.numbers, lanes.cell
-    averages, levels = light.averages, light.levels
+    averages = light.averages
     trees = products.trees.reshape(-1)
     _descend_bases(trees, morton, lanes, n)
     scale = np.float32(BASE_CELLS / (4.0 * math.pi))
@@ -233,15 +300,14 @@ def warp_lanes(products, cut, morton, light, lanes, n):
     if cut:
         _descend_blocks(products, light, scale, lanes, n)
         level = DEEPEST_LEVEL
-    _descend_light(averages, level, levels, lanes, n)
-    finest, deeper = max(level, levels), 2 * max(level - levels, 0)
-    begin = level_offset(levels)
+    _descend_light(averages, level, light.levels, lanes, n)  # whole to DEEPEST_LEVEL at least
+    finest = _descend_leaves(light, lanes, n)
     inverse = np.float32(1.0 / (1 << finest))
     for s in range(n):
         row, column = morton_to_row_column(cell[s], finest)
         numbers[X + s] = (np.float32(column) + numbers[X + s]) * inverse
         numbers[Y + s] = (np.float32(row) + numbers[Y + s]) * inverse
-        numbers[PDF + s] *= averages[begin + np.int64(cell[s] >> deeper)]
+        numbers[PDF + s] *= averages[lanes.node[s]]
     _square_to_sphere(numbers, n)
 
 

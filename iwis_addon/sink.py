@@ -15,7 +15,7 @@ from .passes import Pass
 # Blender prints a line for every update in background mode; a farm's log needs no more.
 SECONDS_BETWEEN_UPDATES = 1.0 if bpy.app.background else 0.1
 _PHASE_TEXTS = {
-    "tables": "Building wavelet tables",
+    "tables": "Preparing the light",
     "bvh": "Building BVH",
     "sampling": "Sampling",
 }

@@ -60,7 +60,7 @@ CASES = [(light, material) for light in ("hdri", "sun", "constant") for material
 @pytest.mark.parametrize(("light", "material"), CASES)
 def test_density_integrates_to_one(light, material, lights):
     """Over all cells of the light's finest level, where it is constant: exact but for rounding."""
-    pdf = _product(lights, light, material).finest_pdf()
+    pdf = _product(lights, light, material).whole_pdf()
     # float32 trees of 12 levels: the sums of the levels agree to 1e-6
     assert pdf.mean() * 4.0 * np.pi == pytest.approx(1.0, abs=1e-5)
     assert pdf.min() >= 0.0
@@ -101,7 +101,7 @@ def test_warp_is_distributed_by_its_density(light, material, lights, rng):
     """
     n, side = 400_000, 64 if light == "sun and sky" else 16
     product = _product(lights, light, material)
-    pdf = product.finest_pdf()
+    pdf = product.whole_pdf()
     share = pdf.reshape(side, len(pdf) // side, side, -1).sum((1, 3)) / pdf.sum()
     directions, _ = product.warp(rng.random((n, 2)))
     x, y = square_points(directions).T

@@ -1,32 +1,26 @@
-"""core/pyramid.py: the light as averages over the cells of a quadtree."""
+"""core/pyramid.py: indices of the quadtree, and what its leaves say of a direction."""
 
 import numpy as np
 import pytest
 
-from iwis.core.environment import eval_environment_many, make_lookup
+from iwis.core.environment import make_lookup
+from iwis.core.light_tree import build_pyramid
+from iwis.core.product import DEEPEST_LEVEL
 from iwis.core.pyramid import (
-    MAX_LEVELS,
-    MIN_LEVELS,
-    build_pyramid,
+    WHOLE_LEVELS,
+    eval_leaf,
     level_offset,
-    levels_for,
-    luminance,
     morton_to_row_column,
+    pdf_light,
     row_column_to_morton,
 )
-from iwis.core.sphere_map import sphere_grid, sphere_to_square
-from support.scenes import constant_world, gradient_world, one_texel_world
+from iwis.core.sphere_map import square_to_sphere
+from support.light_leaves import leaves_of, sun_world
 
 
-def _level(pyramid, level):
-    return pyramid.averages[level_offset(level) : level_offset(level + 1)]
-
-
-def _luminance_grid(lookup, side):
-    """float64 (side, side): luminance at the centres of a fine sphere grid."""
-    radiance = np.empty((side * side, 3), np.float32)
-    eval_environment_many(lookup, sphere_grid(side), radiance)
-    return (radiance.astype(np.float64) @ (0.2126, 0.7152, 0.0722)).reshape(side, side)
+def test_products_find_their_cells_light():
+    """They multiply cell by cell: their levels must be whole."""
+    assert DEEPEST_LEVEL <= WHOLE_LEVELS
 
 
 def test_levels_stand_one_after_the_other():
@@ -46,94 +40,39 @@ def test_morton_codes_there_and_back(level, rng):
         assert cell % 4 == 2 * (row % 2) + column % 2
 
 
-def test_parents_are_the_averages_of_their_children():
-    """At every level, to the rounding of three additions."""
-    pyramid = build_pyramid(make_lookup(gradient_world()), 1)
-    for level in range(pyramid.levels):
-        children = _level(pyramid, level + 1).astype(np.float64).reshape(-1, 4)
-        np.testing.assert_allclose(_level(pyramid, level), children.mean(1), rtol=3e-7)  # float32
+@pytest.fixture(scope="module")
+def sunny():
+    """A tree with leaves of many levels."""
+    pyramid = build_pyramid(make_lookup(sun_world(128, 40)))
+    assert pyramid.deepest > pyramid.levels + 2
+    return pyramid
 
 
-@pytest.mark.parametrize("level", [0, 3, 5])
-def test_cells_hold_the_average_luminance(level):
-    """Against 16 times finer sampling of the same map, in place and value."""
-    lookup = make_lookup(gradient_world(32))
-    grid, side = _luminance_grid(lookup, 512), 1 << level
-    expected = grid.reshape(side, 512 // side, side, 512 // side).mean((1, 3))
-    cells = _level(build_pyramid(lookup, 1), level)
-    for k, value in enumerate(cells):
-        row, column = morton_to_row_column(k, level)
-        # Five samples a leaf; at the poles, where the map blends in the other pole's row, the
-        # light has a kink that 80 samples of a cell resolve to a percent.
-        assert value == pytest.approx(expected[row, column], rel=1e-2)
+def test_a_point_finds_its_leaf(sunny, rng):
+    """Points inside 500 leaves, the brightest among them: average and whole-level cell."""
+    average, size, x, y = leaves_of(sunny)
+    some = np.unique(np.concatenate([np.argsort(average)[-200:], rng.integers(len(x), size=300)]))
+    side = 1 << sunny.levels
+    for k in some:
+        u, v = x[k] + size[k] * rng.random(), y[k] + size[k] * rng.random()
+        light, cell = eval_leaf(sunny, u, v)
+        assert light == average[k]
+        assert cell == row_column_to_morton(int(v * side), int(u * side), sunny.levels)
 
 
-def test_constant_light_is_constant():
-    """Strength included; also at the poles and seams of both maps."""
-    strength = np.float32([2.0, 3.0, 5.0])
-    pyramid = build_pyramid(make_lookup(constant_world((0.5, 0.5, 0.5), strength=strength)), 1)
-    np.testing.assert_allclose(pyramid.averages, luminance(1.0, 1.5, 2.5), rtol=1e-6)  # float32
+def test_the_borders_of_the_square_have_a_leaf(sunny):
+    """x or y of 1 is what sphere_to_square may return."""
+    for x, y in ((0.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 0.5)):
+        light, cell = eval_leaf(sunny, x, y)
+        assert light > 0.0 and 0 <= cell < 4**sunny.levels
 
 
-def test_black_worlds_are_zero():
-    """No floor where there is no light."""
-    assert not build_pyramid(make_lookup(constant_world((0, 0, 0))), 1).averages.any()
-
-
-@pytest.mark.parametrize("row", [12, 24, 33, 45])
-def test_every_direction_that_a_lit_texel_reaches_has_density(row, rng):
-    """Its light extends to the centres of its neighbours: no cell it touches may be dark.
-
-    Up to 56 degrees of latitude; nearer to a pole texels are narrower than cells.
-    """
-    height, column = 64, 77
-    lookup = make_lookup(one_texel_world(height, row, column))
-    pyramid = build_pyramid(lookup, 1)
-    offset = rng.uniform(-1.0, 1.0, (20_000, 2)) * 0.98  # at the rim itself there is no light left
-    latitude = ((row + 0.5 + offset[:, 0]) / height - 0.5) * np.pi
-    longitude = (0.5 - (column + 0.5 + offset[:, 1]) / (2 * height)) * 2.0 * np.pi
-    directions = np.stack(
-        [
-            np.cos(latitude) * np.cos(longitude),
-            np.cos(latitude) * np.sin(longitude),
-            np.sin(latitude),
-        ],
-        -1,
-    )
-    radiance = np.empty((len(directions), 3), np.float32)
-    eval_environment_many(lookup, directions.astype(np.float32), radiance)
-    side, leaves = 1 << pyramid.levels, _level(pyramid, pyramid.levels)
-    missed = 0.0
-    for direction, light in zip(directions, radiance[:, 1], strict=True):
-        x, y = sphere_to_square(*direction)
-        cell = row_column_to_morton(int(y * side), int(x * side), pyramid.levels)
-        missed += light * (leaves[cell] <= 0.0)
-    # What touches a cell between its corners and its centre only is the tip of the rim.
-    assert missed <= 1e-3 * radiance[:, 1].sum()
-
-
-def test_threads_do_not_change_it():
-    """Chunks are written in place."""
-    lookup = make_lookup(gradient_world(128))
-    one = build_pyramid(lookup, 1)
-    np.testing.assert_array_equal(build_pyramid(lookup, 3).averages, one.averages)
-
-
-def test_levels_follow_the_maps_size():
-    """At least as many cells as texels; 16 cells a texel up to 4^10 of them, 4 up to 4^11."""
-    for height, finest in ((64, 9), (128, 10), (256, 10), (512, 11), (1024, 11), (2048, 12)):
-        assert levels_for(height, 2 * height) == finest
-        assert 4**finest >= 2 * height * height
-    assert levels_for(1, 1) == MIN_LEVELS and levels_for(16384, 32768) == MAX_LEVELS
-
-
-def test_a_cancelled_build_ends_early():
-    """It is asked between chunks; what comes back is not used."""
-    asked = []
-
-    def cancelled():
-        asked.append(1)
-        return True
-
-    build_pyramid(make_lookup(gradient_world(256)), 1, cancelled)
-    assert len(asked) == 64  # 4^10 cells in chunks of 4^7
+def test_density_of_the_light_is_its_share(sunny):
+    """Leaf over mean over 4 pi, and all of it makes 1."""
+    average, size, x, y = leaves_of(sunny)
+    for k in range(0, len(x), len(x) // 50):
+        direction = square_to_sphere(x[k] + size[k] / 2, y[k] + size[k] / 2)
+        expected = average[k] / float(sunny.averages[0]) / (4.0 * np.pi)
+        assert pdf_light(sunny, *direction) == pytest.approx(expected, rel=1e-12)
+    # Sums of float32 averages of four, fifteen levels deep.
+    assert (average * size * size).sum() == pytest.approx(float(sunny.averages[0]), rel=1e-6)

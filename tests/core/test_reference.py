@@ -51,9 +51,9 @@ N_TESTS = len(CASES) + 2
 
 
 @kernel
-def _sample_many(averages, levels, points, directions, pdf):
+def _sample_many(pyramid, points, directions, pdf):
     for k in range(len(points)):
-        sample = sample_light(averages, levels, points[k, 0], points[k, 1])
+        sample = sample_light(pyramid, points[k, 0], points[k, 1])
         directions[k, 0], directions[k, 1], directions[k, 2], pdf[k] = sample
 
 
@@ -88,14 +88,16 @@ def test_mean_is_the_true_integral(kind, world, material, rng):
 @pytest.mark.parametrize("ground", [0.0, 0.5])
 def test_light_sampling_follows_the_light(ground, rng):
     """chi-square of PCG64 points, a twin 5 % off; the density is the one returned."""
-    averages, levels = light_of(one_texel_world(32, 20, 9, 1e3, ground)).pyramid
+    pyramid = light_of(one_texel_world(32, 20, 9, 1e3, ground)).pyramid
     n, side = 300_000, 16 if ground else 64  # the sun alone fills two of 16^2 cells
     directions, pdf = np.empty((n, 3)), np.empty(n)
-    _sample_many(averages, levels, rng.random((n, 2)), directions, pdf)
-    again = [pdf_light(averages, levels, *d) for d in directions[:2000]]
+    _sample_many(pyramid, rng.random((n, 2)), directions, pdf)
+    again = [pdf_light(pyramid, *d) for d in directions[:2000]]
     np.testing.assert_allclose(again, pdf[:2000], rtol=1e-12)  # float64
+    levels = pyramid.levels
+    cut = pyramid._replace(children=np.zeros_like(pyramid.children))  # means of the whole levels
     grid = sphere_grid(1 << levels).astype(np.float64)
-    density = np.array([pdf_light(averages, levels, *d) for d in grid])
+    density = np.array([pdf_light(cut, *d) for d in grid])
     assert density.mean() * 4.0 * np.pi == pytest.approx(1.0, abs=1e-5)  # float32 levels
     share = density.reshape(side, -1, side, (1 << levels) // side).sum((1, 3)) / density.sum()
     x, y = square_points(directions).T

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 import iwis.core.center_tile as tile_module
+from iwis.core.environment import make_lookup
 from iwis.core.film import Film
+from iwis.core.light_tree import build_pyramid
 from iwis.core.render import prepare_tables, render
 from iwis.core.render_cache import RenderCache
 from iwis.core.settings import RenderSettings
+from iwis.core.watch import Cancelled
 from support.scenes import (
     camera_above,
     diffuse,
@@ -160,8 +163,15 @@ def test_a_cancelled_light_is_not_reused():
     """A quadtree whose build was cut short must not light the next picture."""
     cache = RenderCache()
     scene = make_scene([], [], gradient_world(512), camera_above())
-    light = cache.light(scene.environment, 1, lambda: True)
-    assert cache.light(scene.environment, 1, lambda: False) is not light
+
+    def stop(fraction, text):
+        raise Cancelled
+
+    with pytest.raises(Cancelled):
+        cache.light(scene.environment, progress=stop)
+    light = cache.light(scene.environment)
+    expected = build_pyramid(make_lookup(scene.environment))
+    np.testing.assert_array_equal(light.pyramid.averages, expected.averages)
 
 
 def test_prepare_tables_can_be_cancelled(tmp_path):

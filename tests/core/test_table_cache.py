@@ -60,7 +60,7 @@ def test_unwritable_folder_is_a_warning(tmp_path, forest):
     """A file stands where the folder should be: the text names it and what to do."""
     (tmp_path / "cache").write_text("a file")
     warning = save_table(tmp_path / "cache", "t.npz", forest)
-    assert f"cache folder {tmp_path / 'cache'}: cannot keep the wavelet tables" in warning
+    assert f"cache folder {tmp_path / 'cache'}: cannot keep tables" in warning
     assert "Choose another cache folder" in warning
 
 

@@ -255,7 +255,7 @@ def make_picture(scene: Scene, cache=None, **settings):
 def make_job(scene: Scene, **settings) -> Job:
     """What a tile of a render with these settings works on; estimator UNBIASED only."""
     settings, cache = RenderSettings(**settings), RenderCache()
-    light = cache.light(scene.environment, 1, lambda: False)
+    light = cache.light(scene.environment)
     sequence = common_points(settings.max_samples, settings.point_set)
     accel, stop = cache.accel(scene.mesh), threading.Event()
     return Job(scene, settings, accel, light, None, sequence, stop)

@@ -5,10 +5,10 @@ import numpy as np
 from iwis.core._jit import kernel
 from iwis.core.environment import make_lookup
 from iwis.core.light_rays import make_light
+from iwis.core.light_tree import build_pyramid
 from iwis.core.lobes import setup_lobes
-from iwis.core.product import DEEPEST_LEVEL, new_products, pdf_product
+from iwis.core.product import new_products, pdf_product
 from iwis.core.product_build import build_product, new_block_scratch
-from iwis.core.pyramid import build_pyramid
 from iwis.core.sphere_map import sphere_to_square
 from iwis.core.warp import DX, DY, DZ, LANES, PDF, X, Y, new_lanes, warp_lanes
 
@@ -18,23 +18,23 @@ from .scenes import make_materials
 def light_of(world):
     """core.light_rays.Light of an EnvironmentMap."""
     lookup = make_lookup(world)
-    return make_light(lookup, build_pyramid(lookup, 1))
+    return make_light(lookup, build_pyramid(lookup))
 
 
 @kernel
-def _pdfs(products, averages, levels, directions, out):
+def _pdfs(products, light, directions, out):
     for k in range(len(directions)):
         x, y = sphere_to_square(directions[k, 0], directions[k, 1], directions[k, 2])
-        out[k] = pdf_product(products, 0, averages, levels, x, y)
+        out[k] = pdf_product(products, 0, light, x, y)
 
 
 @kernel
-def _finest_pdfs(products, averages, levels, out):
+def _whole_pdfs(products, light, out):
     side = out.shape[0]
     for i in range(side):
         for j in range(side):
             x, y = (j + 0.5) / side, (i + 0.5) / side
-            out[i, j] = pdf_product(products, 0, averages, levels, x, y)
+            out[i, j] = pdf_product(products, 0, light, x, y)
 
 
 class PointProduct:
@@ -48,7 +48,7 @@ class PointProduct:
         self.lobes = setup_lobes(make_materials(material), normal, normal, wo)
         self.light, self.products = light, new_products(1, True)
         build_product(
-            self.lobes, 0, light.cells, *light.pyramid, self.products, new_block_scratch()
+            self.lobes, 0, light.cells, *light.pyramid[:2], self.products, new_block_scratch()
         )
         self.total = float(self.products.trees[0, 0])
 
@@ -71,14 +71,16 @@ class PointProduct:
     def pdf(self, directions):
         """The density of warp, float64 (n,), sr^-1, at unit directions (n, 3)."""
         out = np.empty(len(directions))
-        _pdfs(self.products, *self.light.pyramid, directions.astype(np.float64), out)
+        _pdfs(self.products, self.light.pyramid, directions.astype(np.float64), out)
         return out
 
-    def finest_pdf(self):
-        """float64 (side, side): the density in every cell of the finest level there is."""
-        side = 1 << max(self.light.pyramid.levels, DEEPEST_LEVEL)
+    def whole_pdf(self):
+        """float64 (side, side): the mean density in every cell of the light's last whole level."""
+        light = self.light.pyramid
+        cut = light._replace(children=np.zeros_like(light.children), deepest=light.levels)
+        side = 1 << light.levels
         out = np.empty((side, side))
-        _finest_pdfs(self.products, *self.light.pyramid, out)
+        _whole_pdfs(self.products, cut, out)
         return out
 
 
