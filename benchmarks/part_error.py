@@ -26,7 +26,8 @@ from run_mitsuba import MitsubaRun
 
 from iwis.core.scene import DIFFUSE
 
-STALLED, SMALL = 0.92, 0.5  # a step that leaves so much of an error that is small: it is a bias
+# A step of so much more work that leaves so much of an error, if that is small: it is a bias.
+WORK, STALLED, SMALL = 1.5, 0.92, 0.5
 PENUMBRA = (0.1, 0.9)  # part of the samples that see the light
 SEED_STEP = 1009
 
@@ -180,5 +181,7 @@ def _ended(points, configuration, effort, noise) -> bool:
     mine = [p for p in points if p["configuration"] == configuration.name]
     last = mine[-1]
     enough = without_noise(last["mre"], noise) < max(0.95 * min(TARGETS), 1.2 * noise)
-    stalled = len(mine) > 2 and SMALL > last["mre"] > STALLED * mine[-2]["mre"]
+    before = mine[-2] if len(mine) > 2 else None
+    worked = before is not None and last["samples"] > WORK * before["samples"]
+    stalled = worked and SMALL > last["mre"] > STALLED * before["mre"]
     return enough or stalled or 2.0 * last["cpu"] > effort.render_seconds[configuration.renderer]
