@@ -22,6 +22,9 @@ _TINY = np.float32(1e-6)
 _REACH = np.float32(2.15)
 # What a cell keeps, of the cosine its farthest corner may have.
 _CORNER = np.float32(0.05)
+# Half of a lobe this narrow is left to those samples that follow the lobe itself: it spans about
+# one of the product's smallest cells, and may miss or meet a sun where the cell half does.
+_CELL_ALPHA2 = np.float32(0.004**2)
 
 
 class CellLambert(NamedTuple):
@@ -36,16 +39,21 @@ class CellLambert(NamedTuple):
 class CellGloss(NamedTuple):
     """A point's glossy lobe, as float32: Smith shadowing, Schlick's curve between two ends.
 
-    normal, wo, side: triples; side is normal to both
-    cos_o, lambda_o: of wo; alpha2: width squared; head_on, grazing: luminance of the reflectance
+    normal, wo: triples; side, along: triples, a frame with normal; side is normal to wo too
+    cos_o, along_o, lambda_o: of wo; alpha2: width squared
+    kept: the part of the lobe's core that the product holds, less than 1 where it is narrow
+    head_on, grazing: luminance of the reflectance
     """
 
     normal: tuple
     wo: tuple
     side: tuple
+    along: tuple
     cos_o: np.float32
+    along_o: np.float32
     lambda_o: np.float32
     alpha2: np.float32
+    kept: np.float32
     head_on: np.float32
     grazing: np.float32
 
@@ -59,22 +67,37 @@ def lambert_at(lobes, p):
 
 
 @kernel(forceinline=True)
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel(forceinline=True)
+def _cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel(forceinline=True)
 def gloss_at(lobes, p):
     """Row p of lobes."""
-    n, o = lobes.glossy_normal[p], lobes.wo[p]
-    tx, ty, tz = n[1] * o[2] - n[2] * o[1], n[2] * o[0] - n[0] * o[2], n[0] * o[1] - n[1] * o[0]
-    inverse = ONE / np.sqrt(max(tx * tx + ty * ty + tz * tz, _TINY))
+    g, w = lobes.glossy_normal, lobes.wo
+    normal, wo = (g[p, 0], g[p, 1], g[p, 2]), (w[p, 0], w[p, 1], w[p, 2])
+    side = _cross(normal, wo)
+    if _dot(side, side) < _TINY:  # seen from above: any will do
+        side = _cross(normal, (ZERO, ZERO, ONE) if abs(normal[2]) < HALF else (ONE, ZERO, ZERO))
+    inverse = ONE / np.sqrt(_dot(side, side))
+    side = (side[0] * inverse, side[1] * inverse, side[2] * inverse)
+    along = _cross(side, normal)
     head_on, grazing = ZERO, ZERO
     for curve in range(2):
         w, f0 = lobes.weight[p, curve], lobes.f0[p, curve]
         head_on += luminance(w[0] * f0[0], w[1] * f0[1], w[2] * f0[2])
         grazing += luminance(w[0], w[1], w[2])
     alpha2 = lobes.alpha[p] * lobes.alpha[p]
+    kept = alpha2 / (alpha2 + _CELL_ALPHA2)
     cos_o = max(lobes.cos_o[p], np.float32(1e-3))
     lambda_o = np.sqrt(alpha2 + (ONE - alpha2) * cos_o * cos_o)
-    side = (tx * inverse, ty * inverse, tz * inverse)
-    normal, wo = (n[0], n[1], n[2]), (o[0], o[1], o[2])
-    return CellGloss(normal, wo, side, cos_o, lambda_o, alpha2, head_on, grazing)
+    frame = (normal, wo, side, along)
+    return CellGloss(*frame, cos_o, _dot(along, wo), lambda_o, alpha2, kept, head_on, grazing)
 
 
 @kernel(forceinline=True)
@@ -110,34 +133,42 @@ def add_gloss(lobe, x, y, z, light, n, radius, scale, values, spread):
     nx, ny, nz = lobe.normal
     ox, oy, oz = lobe.wo
     tx, ty, tz = lobe.side
+    ax, ay, az = lobe.along
     alpha2, cos_o = lobe.alpha2, lobe.cos_o
     quarter, gain = QUARTER / radius, np.float32(0.5 / math.pi) * scale
     wide = QUARTER * radius * radius
     in_plane = alpha2 + wide
+    lobe_oh = max(cos_o, np.sqrt(alpha2))  # wo . h where the lobe is, if that is in the cell
     for r in range(n):
         cosine = x[r] * nx + y[r] * ny + z[r] * nz
         cos_i = _lit_cosine(cosine, radius, quarter)
         io = x[r] * ox + y[r] * oy + z[r] * oz
-        oh2 = max(HALF * (ONE + io), np.float32(1e-4))  # (wo . h)^2
+        oh2 = max(HALF * (ONE + io), _TINY)  # (wo . h)^2
+        oh = np.sqrt(oh2)
         per_h2 = QUARTER / oh2  # 1 / |wo + wi|^2
         # The centre of a cell at the horizon may be below it: h of its lit part.
         nh = (cosine if cosine > radius else HALF * max(cosine + radius, ZERO)) + cos_o
         th = x[r] * tx + y[r] * ty + z[r] * tz
-        nh2, th2 = min(nh * nh * per_h2, ONE), th * th * per_h2
-        apart = wide / oh2
+        ah = x[r] * ax + y[r] * ay + z[r] * az + lobe.along_o
+        nh2, th2, ah2 = nh * nh * per_h2, th * th * per_h2, ah * ah * per_h2
+        low = max(oh - HALF * radius, min(oh, lobe_oh))
+        apart = wide / (low * low)
         across = alpha2 + apart
-        slope2 = max(ONE - nh2 - th2, ZERO) / in_plane + th2 / across
+        slope2 = ah2 / in_plane + th2 / across
         d = slope2 + nh2
-        miss = ONE - np.sqrt(oh2)
+        miss = ONE - oh
         miss2 = miss * miss
         fresnel = lobe.head_on + (lobe.grazing - lobe.head_on) * miss2 * miss2 * miss
         smith = cos_o * np.sqrt(alpha2 + (ONE - alpha2) * cos_i * cos_i) + cos_i * lobe.lambda_o
-        value = fresnel * gain * cos_i * light[r]
-        value /= d * d * (smith + _TINY) * np.sqrt(in_plane * across)
-        values[r] += value
-        # How far apart the cell's edges stand on the curve of D, in widths of the lobe.
+        # Where the cell's edges stand on the curve of D, in widths of the lobe.
         slope, reach = np.sqrt(slope2), np.sqrt(wide / in_plane + apart / across)
         far, near = slope + reach, max(slope - reach, ZERO)
+        widths = np.sqrt(in_plane * across)
+        # Far from a lobe that is narrower than the cell, its own tail: a widened one is heavier.
+        tail = alpha2 * nh2 + near * near * widths
+        density = min(lobe.kept / (widths * d * d), alpha2 / (tail * tail))
+        value = fresnel * gain * cos_i * light[r] * density / (smith + _TINY)
+        values[r] += value
         ratio = (ONE + far * far) / (ONE + near * near)
         range_ = min(ratio * ratio - ONE, np.float32(16.0))
         spread[r] = value * range_ * range_ * np.float32(1.0 / 16.0)

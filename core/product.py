@@ -69,13 +69,13 @@ class Products(NamedTuple):
     links: int16 (n, cells), 1 + the block that a cell is cut into, 0 = none: of the base's cells,
         then of the blocks'
     blocks: int32 (n,), how many blocks there are; links of a point without are not set
-    gloss: float32 (n,), the glossy part of the sum
+    follow: float32 (n,), the part of the light that the product leaves to the narrowest lobe
     """
 
     trees: np.ndarray
     links: np.ndarray
     blocks: np.ndarray
-    gloss: np.ndarray
+    follow: np.ndarray
 
 
 def new_products(n: int, glossy: bool) -> Products:

@@ -30,6 +30,9 @@ from .pyramid import level_offset
 _MAX_FIRST = 24
 # A cell is cut if its spread (lobe_cells.py) is more than this part of the product.
 _CUT = 0.015
+# Seen flatter than this (cosine), lobes crowd into few cells of the base: up to this part of the
+# samples follows the lobe itself, or a rare one is 70 times too bright.
+_FLAT, _MOST_FLAT = np.float32(0.2), np.float32(0.4)
 
 
 class BlockScratch(NamedTuple):
@@ -177,7 +180,7 @@ def build_product(lobes, p, cells, averages, levels, products, scratch):
     base = (cells.x, cells.y, cells.z, cells.light)
     lambert = lambert_at(lobes, p)
     matte = fill_lambert(lambert, *base, BASE_CELLS, radius, one, leaves)
-    products.blocks[p], products.gloss[p] = 0, 0.0
+    products.blocks[p], products.follow[p] = 0, 0.0
     if lobes.kind[p] <= DIFFUSE_LOBE:
         _sum_base(tree)
         return
@@ -192,4 +195,7 @@ def build_product(lobes, p, cells, averages, levels, products, scratch):
         )
     _sum_base(tree)
     if tree[0] > np.float32(0.0):
-        products.gloss[p] = max(np.float32(1.0) - matte / tree[0], np.float32(0.0))
+        held = max(tree[0] - matte, np.float32(0.0))
+        narrow = (one - gloss.kept) * held / (gloss.kept * matte + held)
+        flat = max(one - gloss.cos_o / _FLAT, np.float32(0.0))
+        products.follow[p] = max(narrow, _MOST_FLAT * flat * flat)

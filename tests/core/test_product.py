@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from iwis.core.brdf import eval_brdf_cos
-from iwis.core.product import BASE_BEGIN, MAX_BLOCKS
+from iwis.core.product import BASE_BEGIN, BLOCK_BEGIN, BLOCK_CELLS, MAX_BLOCKS
 from iwis.core.scene import EnvironmentMap
 from support.scenes import (
     constant_world,
@@ -141,17 +141,34 @@ def test_steep_cells_are_cut(lights):
 
 @pytest.mark.parametrize("material", ["shiny", "sharp", "coat"])
 def test_blocks_add_up_to_the_cells_they_cut(material, lights):
-    """Every sum of the base is that of its four children, and the gloss is what is not matte."""
-    product = _product(lights, "hdri", material)
-    tree = product.products.trees[0, : BASE_BEGIN + 1024].astype(np.float64)
-    assert tree[0] == pytest.approx(tree[BASE_BEGIN:].sum(), rel=1e-5)  # float32
-    bare = PointProduct(lights["hdri"], MATERIALS[material] | {"ior": 1.0}, NORMAL, WO)
-    share = product.products.gloss[0]
-    if material == "coat":
-        # What the coat reflects is missing below it: up to 10 % of the matte part.
-        assert 1.0 - bare.total / product.total < share + 0.1 and 0.0 < share < 0.9
-    else:
-        assert share == 1.0
+    """The sum of all is that of the base's cells, and each cut cell that of its block's."""
+    products = _product(lights, "hdri", material).products
+    tree, links = products.trees[0].astype(np.float64), products.links[0]
+    assert tree[0] == pytest.approx(tree[BASE_BEGIN : BASE_BEGIN + 1024].sum(), rel=1e-5)  # float32
+    cut = np.flatnonzero(links[:1024])
+    assert 0 < len(cut) <= products.blocks[0]
+    for cell in cut:
+        begin = BLOCK_BEGIN + BLOCK_CELLS * (links[cell] - 1)
+        total = tree[begin : begin + BLOCK_CELLS].sum()
+        assert tree[BASE_BEGIN + cell] == pytest.approx(total, rel=1e-5)
+
+
+def test_narrow_lobes_are_left_to_their_own_samples(lights):
+    """What the product leaves to the narrowest lobe: all of a mirror, none of what cells hold."""
+    follow = {
+        name: float(_product(lights, "hdri", name).products.follow[0])
+        for name in ("diffuse", "rough", "shiny", "sharp", "mirror", "coat", "plastic")
+    }
+    assert follow["diffuse"] == 0.0 and follow["rough"] < 1e-3 and follow["shiny"] < 0.01
+    assert follow["sharp"] < 0.2 and follow["mirror"] > 0.99
+    assert 0.0 < follow["coat"] < 0.9 and follow["plastic"] < 0.01
+
+
+def test_flat_lobes_are_followed_even_if_they_are_wide(lights):
+    """Seen at 0.6 degrees, 100 directions stand in one cell: the lobe's own samples know better."""
+    wo = np.array([np.cos(0.01), 0.0, np.sin(0.01)])
+    product = PointProduct(lights["constant"], MATERIALS["plastic"], (0.0, 0.0, 1.0), wo)
+    assert 0.3 < product.products.follow[0] <= 0.4
 
 
 def test_narrow_lobes_get_their_own_cells(lights):
