@@ -35,8 +35,8 @@ class RenderSettings:
 
     error_threshold: E (0: no pixel is done before max_samples). PERCEPTUAL: the relative noise to
         be left in a pixel with half of its light hidden; E r^.625 in one whose samples spread r
-        times as much. The mean relative error of a picture comes out near E / 2. PAPER: a pixel is
-        done when e_d <= E
+        times as much. A picture's mean relative error comes out near E / 2 where most of it sees
+        its light, near E on foliage, above where most is dark. PAPER: a pixel is done when e_d <= E
     max_samples: MAX, the most shadow rays of one pixel
     batch_size: n, Halton points a round
     estimator: PAPER (I_s K / N from the tables) or UNBIASED (each sample weighted by L B / pdf)
@@ -60,7 +60,7 @@ class RenderSettings:
     max_samples: int = 100
     batch_size: int = 8
     estimator: str = "UNBIASED"
-    stop_rule: str = "PAPER"
+    stop_rule: str = "PERCEPTUAL"
     coefficients: float = 0.05
     pixel_filter: str = "CENTER"
     filter_width: float = 1.5

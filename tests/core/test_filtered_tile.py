@@ -240,7 +240,7 @@ def test_edges_take_more_samples_and_reach_the_error():
     scene = varied_scene(width=80, height=56)
     settings = {"pixel_filter": "BLACKMAN_HARRIS", "max_samples": 1024}
     truth, _ = make_picture(scene, stop_rule="FIXED", seed=5, **settings)
-    layers, _ = make_picture(scene, error_threshold=0.05, **settings)
+    layers, _ = make_picture(scene, stop_rule="PAPER", error_threshold=0.05, **settings)
     light = truth["combined"][..., :3].sum(-1)
     error = np.abs(layers["combined"][..., :3].sum(-1) - light) / np.maximum(light, 0.01)
     shown = (truth["depth"][..., 0] < 1e9) & (light > 0.01)

@@ -190,9 +190,11 @@ def test_three_rounds_of_8_equal_one_of_24(estimator, table_dir):
 
 
 @pytest.mark.parametrize("estimator", ["UNBIASED", "PAPER"])
-def test_pictures_obey_the_rule(estimator, table_dir):
-    """In the layers: error <= E, or MAX; multiples of n, or MAX; more where half is hidden."""
-    settings = {"error_threshold": 0.1, "max_samples": 60, "batch_size": 8}
+@pytest.mark.parametrize("stop_rule", ["PERCEPTUAL", "PAPER"])
+def test_pictures_obey_the_rule(stop_rule, estimator, table_dir):
+    """In the layers: counts at which a pixel may end, or MAX; more where half is hidden. PAPER:
+    error <= E, or MAX."""
+    settings = {"error_threshold": 0.1, "max_samples": 60, "batch_size": 8, "stop_rule": stop_rule}
     layers, stats = make_picture(
         varied_scene(), estimator=estimator, cache_dir=table_dir, **settings
     )
@@ -200,7 +202,11 @@ def test_pictures_obey_the_rule(estimator, table_dir):
     shaded = samples > 0
     stopped = shaded & (samples < 60)
     assert stopped.any() and (samples == 60).any()
-    assert (error[stopped] <= 0.1).all() and (samples[stopped] % 8 == 0).all()
+    if stop_rule == "PAPER":
+        assert (error[stopped] <= 0.1).all() and (samples[stopped] % 8 == 0).all()
+    else:
+        assert set(np.unique(samples[stopped])) <= {8, 12, 16, 24, 32, 48}
+        assert (error[shaded] > 0.0).all()
     np.testing.assert_array_equal(layers["sample_count"][..., 0], samples / np.float32(60))
     visibility = layers["visibility"][..., 0]
     assert (

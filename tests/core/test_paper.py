@@ -116,7 +116,8 @@ def test_picture_is_unoccluded_light_times_visibility(table_dir):
 
 def test_error_is_equation_7(table_dir):
     """e_d^2 = (N - K) / (N K), what equation 7 is for zeros and ones."""
-    layers, _ = make_picture(varied_scene(), estimator="PAPER", max_samples=40, cache_dir=table_dir)
+    settings = {"estimator": "PAPER", "stop_rule": "PAPER", "max_samples": 40}
+    layers, _ = make_picture(varied_scene(), cache_dir=table_dir, **settings)
     n, share = layers["samples"][..., 0], layers["visibility"][..., 0]
     seen = share > 0.0
     k = np.round(share[seen] * n[seen])

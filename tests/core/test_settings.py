@@ -15,7 +15,7 @@ def test_defaults_are_the_papers_and_the_issues():
         "max_samples": 100,
         "batch_size": 8,
         "estimator": "UNBIASED",
-        "stop_rule": "PAPER",
+        "stop_rule": "PERCEPTUAL",
         "coefficients": 0.05,
         "pixel_filter": "CENTER",
         "filter_width": 1.5,
