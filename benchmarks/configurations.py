@@ -43,9 +43,9 @@ WIS, MIS = "WIS, fixed count", "MIS, own core"
 
 
 def _ruled(name: str, rule: str) -> Configuration:
-    """IWIS where a rule ends the pixels; its threshold is halved from step to step."""
+    """IWIS where a rule ends the pixels; two steps halve its threshold, one doubles the samples."""
     settings = {"stop_rule": rule, "max_samples": UNLIMITED}
-    return Configuration(name, "iwis", settings, "error_threshold", 1.6, 0.5)
+    return Configuration(name, "iwis", settings, "error_threshold", 0.8, 0.5**0.5)
 
 
 CONFIGURATIONS = (
