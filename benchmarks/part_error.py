@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -114,10 +115,17 @@ def measure(bench: Bench) -> dict:
 
 @contextlib.contextmanager
 def _mitsuba(bench):
-    if bench.mitsuba is None:
-        yield None
-        return
-    with MitsubaRun(bench.mitsuba, bench.run.scene, bench.threads) as run:
+    """The MitsubaRun of a scene; None where there is no Mitsuba, or none that works."""
+    with contextlib.ExitStack() as stack:
+        run = None
+        if bench.mitsuba is not None:
+            try:
+                run = MitsubaRun(bench.mitsuba, bench.run.scene, bench.threads)
+                stack.enter_context(run)
+                run.render(4, 0, emitter=1, bsdf=1)  # an LLVM too old ends it here
+            except OSError as error:
+                print(f"going on without Mitsuba: {error}", file=sys.stderr, flush=True)
+                run = None
         yield run
 
 

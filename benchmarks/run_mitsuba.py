@@ -8,6 +8,7 @@ Blender's: on glossy scenes its converged picture is another one, and its error 
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import subprocess
@@ -52,14 +53,19 @@ class MitsubaRun:
             stderr=self._log,
             text=True,
         )
-        hello = self._answer()
+        try:
+            hello = self._answer()
+        except OSError:
+            self.__exit__()
+            raise
         self.version, self.load_cpu = hello["version"], hello["cpu"]
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        self._process.stdin.close()
+        with contextlib.suppress(BrokenPipeError):
+            self._process.stdin.close()
         self._process.wait()
         self._process.stdout.close()
         self._log.close()
