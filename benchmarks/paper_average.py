@@ -93,7 +93,12 @@ def _part(film, part) -> np.ndarray:
 def measure(scene, estimator: str, threads: int, path: Path) -> Average:
     """Average of the open file's picture; writes it to path."""
     settings = RenderSettings(
-        estimator=estimator, error_threshold=0.1, max_samples=100, threads=threads
+        estimator=estimator,
+        stop_rule="PAPER",
+        error_threshold=0.1,
+        max_samples=100,
+        pixel_filter="CENTER",
+        threads=threads,
     )
     run = IwisRun(export_open_file(scene).scene, settings)
     run.render(max_samples=1, error_threshold=0.0)  # compiles the kernels, builds the tables
