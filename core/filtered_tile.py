@@ -2,9 +2,9 @@
 
 A pass gives each pixel one point (pixel_filter.py) with a few samples. A pixel whose neighbourhood
 shows one object, or nothing but the world, may end after _PILOT passes; one near a silhouette takes
-at least _SILHOUETTE. Else a leaf that the pilot missed would be lost, and one that it hit would not
-be: thin leaves before the sky came out half as dark. Whether it is near is asked of the rays of the
-first passes, of the pixel and its eight neighbours; so those around the tile are looked through
+at least _SILHOUETTE / E. Else a leaf that the pilot missed would be lost, and one that it hit would
+not be: thin leaves before the sky came out half as dark. Whether it is near is asked of the rays of
+the first passes, of the pixel and its eight neighbours; so those around the tile are looked through
 too, and no picture depends on its tiles.
 """
 
@@ -32,7 +32,7 @@ from .tile_job import (
     with_lobes,
 )
 
-_PILOT, _SILHOUETTE = 4, 12
+_PILOT, _SILHOUETTE = 4, 1.2
 _DARK_FLOOR = 0.2  # of PERCEPTUAL, as in stop_rule.py
 _WORLD, _NO_OBJECT = np.int32(-1), np.int32(0x7FFFFFFF)
 
@@ -169,7 +169,7 @@ class FilteredTile:
             going = self._sums.error[active] > settings.error_threshold
         else:
             going = self._wants_more(typical_count(settings.error_threshold))
-        if self._passes < _SILHOUETTE:
+        if self._passes < _SILHOUETTE / settings.error_threshold:
             going |= self._near_silhouette()[active]
         return going
 

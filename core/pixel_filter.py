@@ -22,7 +22,7 @@ from .sequence import scramble
 _BITS = 4294967296.0
 # Hashes 1 and 2 scramble the points of light.
 _ORDER_SALT, _X_SALT, _Y_SALT = 3, 4, 5
-_CDF_NODES = 4097
+_CDF_NODES, _GUIDES = 4097, 1024
 
 
 @kernel(forceinline=True)
@@ -59,27 +59,39 @@ def unit_points(columns, rows, number: int, seed: int) -> np.ndarray:
 
 
 @functools.cache
-def _blackman_harris_cdf() -> tuple[np.ndarray, np.ndarray]:
-    """(cdf, place), both (_CDF_NODES,), of the window on -1 ... 1."""
-    place = np.linspace(-1.0, 1.0, _CDF_NODES)
-    v = np.pi * (place + 1.0)
-    terms = (
-        0.35875 * v,
-        -0.48829 * np.sin(v),
-        0.07064 * np.sin(2.0 * v),
-        -0.01168 / 3.0 * np.sin(3.0 * v),
-    )
-    return sum(terms) / (0.35875 * 2.0 * np.pi), place
+def _blackman_harris() -> tuple[np.ndarray, np.ndarray]:
+    """The window's integral at _CDF_NODES places from -1 to 1, float64 from 0 to 1; and for each of
+    _GUIDES equal parts of 0 ... 1 the last node below it, int64."""
+    v = np.pi * (np.linspace(-1.0, 1.0, _CDF_NODES) + 1.0)
+    sines = -0.48829 * np.sin(v) + 0.07064 * np.sin(2.0 * v) - 0.01168 / 3.0 * np.sin(3.0 * v)
+    cdf = (0.35875 * v + sines) / (0.35875 * 2.0 * np.pi)
+    cdf[0], cdf[-1] = 0.0, 1.0
+    guides = np.searchsorted(cdf, np.arange(_GUIDES) / _GUIDES, side="right") - 1
+    return cdf, guides
+
+
+@kernel
+def _fill_offsets(points, width, cdf, guides, out):
+    step = 2.0 / (len(cdf) - 1)
+    for k in range(len(points)):
+        for a in range(2):
+            u = points[k, a]
+            node = guides[int(u * len(guides))]
+            while cdf[node + 1] <= u:
+                node += 1
+            part = (u - cdf[node]) / (cdf[node + 1] - cdf[node])
+            out[k, a] = width * ((node + part) * step - 1.0)
 
 
 def filter_offsets(kind: str, width: float, points: np.ndarray) -> np.ndarray:
     """Where the filter puts points of the unit square: float64 (n, 2), pixels from the centre.
 
-    kind: one of settings.PIXEL_FILTERS; width: settings.filter_width
+    kind: one of settings.PIXEL_FILTERS; width: settings.filter_width; points: [0, 1)
     """
     if kind == "CENTER":
         return np.zeros_like(points)
     if kind == "BOX":
         return points - 0.5
-    cdf, place = _blackman_harris_cdf()
-    return width * np.interp(points, cdf, place)
+    out = np.empty_like(points)
+    _fill_offsets(points, width, *_blackman_harris(), out)
+    return out

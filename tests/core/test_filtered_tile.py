@@ -217,7 +217,8 @@ def _wire_scene(width_px):
     return make_scene(parts, [black()] * len(parts), constant_world(), camera)
 
 
-def test_thin_wires_before_the_sky_keep_their_darkness(monkeypatch):
+@pytest.mark.parametrize("rule", ["PAPER", "PERCEPTUAL"])
+def test_thin_wires_before_the_sky_keep_their_darkness(rule, monkeypatch):
     """A quarter of a pixel wide: they take their share of the sky, within the error asked for.
 
     With a rule that asks only a pixel's own first points a third of it would be lost.
@@ -227,7 +228,8 @@ def test_thin_wires_before_the_sky_keep_their_darkness(monkeypatch):
     expected = (1.0 - truth["combined"][..., 0]).sum()
 
     def share():
-        layers, _ = make_picture(scene, max_samples=256, error_threshold=0.1, **settings)
+        limits = {"max_samples": 256, "error_threshold": 0.1, "stop_rule": rule}
+        layers, _ = make_picture(scene, **settings, **limits)
         return (1.0 - layers["combined"][..., 0]).sum() / expected
 
     assert share() == pytest.approx(1.0, abs=0.1)
