@@ -84,7 +84,11 @@ def judge_open_file(scene, case: Case, folder: Path | None, threads: int) -> Ver
     """As judge(), for the scene that is open in bpy."""
     use_cycles(scene, threads)
     settings = RenderSettings(
-        estimator="UNBIASED", stop_rule="FIXED", max_samples=case.samples, threads=threads
+        estimator="UNBIASED",
+        stop_rule="FIXED",
+        max_samples=case.samples,
+        pixel_filter="CENTER",
+        threads=threads,
     )
     run = IwisRun(export_open_file(scene).scene, settings)
     films = [run.render(seed=k)[0] for k in range(case.pictures)]

@@ -29,7 +29,9 @@ def test_coarse_smooth_mesh_at_blenders_default(metallic):
     scenes.add_camera(scene, (1.5, -5.0, 1.0), (0.0, 0.0, 0.0), 30.0)
     use_cycles(scene, 1)
     exported = export_open_file(scene).scene
-    settings = RenderSettings(stop_rule="FIXED", max_samples=SAMPLES, threads=1)
+    settings = RenderSettings(
+        stop_rule="FIXED", max_samples=SAMPLES, pixel_filter="CENTER", threads=1
+    )
     reference = render_cycles(scene, SAMPLES)
     inside = reference.alpha > 0.999
 

@@ -53,7 +53,7 @@ def test_a_world_turned_by_three_degrees_is_noticed():
     """The twin of the test above that must fail."""
     scene = scenes.statue(lambda: scenes.diffuse(scenes.STONE), detail=DETAIL, size=SIZE)
     use_cycles(scene, 1)
-    settings = RenderSettings(stop_rule="FIXED", max_samples=512, threads=1)
+    settings = RenderSettings(stop_rule="FIXED", max_samples=512, pixel_filter="CENTER", threads=1)
     exported = export_open_file(scene).scene
     turned = dataclasses.replace(exported, environment=_turned(exported.environment, 3.0))
     run = IwisRun(turned, settings)

@@ -51,7 +51,8 @@ class CancellingFilm(Film):
 def _render(scene, when, cache=None, **settings):
     """(film, stats, seconds from the cancel to the return)."""
     film = CancellingFilm(scene.camera.region, when)
-    settings = RenderSettings(**({"threads": 2, "tile_px": 8} | settings))
+    defaults = {"threads": 2, "tile_px": 8, "pixel_filter": "CENTER"}
+    settings = RenderSettings(**(defaults | settings))
     stats = render(scene, settings, film, cache)
     return film, stats, time.perf_counter() - (film.cancelled_at or np.inf)
 

@@ -246,9 +246,10 @@ def varied_scene(world=None, width=40, height=28, region=None) -> Scene:
 
 
 def make_picture(scene: Scene, cache=None, **settings):
-    """(layers, stats) of a render by one thread unless ``threads`` says otherwise."""
+    """(layers, stats) of a render by one thread and at pixel centres, unless settings say other."""
     film = Film(scene.camera.region)
-    stats = render(scene, RenderSettings(**({"threads": 1} | settings)), film, cache)
+    settings = RenderSettings(**({"threads": 1, "pixel_filter": "CENTER"} | settings))
+    stats = render(scene, settings, film, cache)
     return film.layers, stats
 
 
