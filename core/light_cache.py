@@ -20,7 +20,7 @@ from .table_cache import load_arrays, save_arrays
 
 log = logging.getLogger(__name__)
 
-_FORMAT = 1  # raise it when light_tree.py builds other numbers
+_FORMAT = 2  # raise it when light_tree.py builds other numbers
 _PREFIX = "world-"
 # A tree has up to 13 MB: some twenty worlds. The ones not used for longest go first.
 MOST_BYTES = 256 << 20

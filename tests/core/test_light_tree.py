@@ -106,9 +106,9 @@ def test_a_suns_samples_are_nearly_alike(height, latitude, rng):
     world = sun_world(height, latitude)
     lookup = make_lookup(world)
     pyramid, truth = build_pyramid(lookup), mean_light(world.radiance)
-    weights = light_weights(pyramid, lookup, 200_000, rng)
+    weights = light_weights(pyramid, lookup, 1_000_000, rng)
     spread = weights.std() / truth
-    assert spread < 0.15
+    assert spread < 0.15 and weights.max() < 20.0 * truth  # at a rim, 8 is what the tree allows
     assert abs(weights.mean() / truth - 1.0) < 4.0 * spread / np.sqrt(len(weights)) + 1e-5
     assert pyramid.averages[0] == pytest.approx(truth, rel=1e-5)
 
@@ -122,7 +122,7 @@ def test_a_single_texels_samples_are_nearly_alike(latitude, ground, rng):
     truth = mean_light(world.radiance)
     weights = light_weights(build_pyramid(lookup), lookup, 200_000, rng)
     spread = weights.std() / truth
-    assert spread < 0.4 and weights.max() < 50.0 * truth
+    assert spread < 0.4 and weights.max() < 20.0 * truth
     assert abs(weights.mean() / truth - 1.0) < 4.0 * spread / np.sqrt(len(weights)) + 1e-5
 
 
@@ -176,7 +176,7 @@ def test_any_mapping_is_followed(mapping, rng):
     weights = light_weights(pyramid, lookup, 200_000, rng)
     assert weights.std() / truth < 0.5
     error = 4.0 * weights.std() / np.sqrt(len(weights))
-    assert abs(weights.mean() - truth) < error + 1e-3 * truth  # the grid's
+    assert abs(weights.mean() - truth) < error + 5e-3 * truth  # the grid's: .3 % at hard edges
 
 
 def test_a_tree_does_not_outgrow_its_bound(monkeypatch):
