@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 import time
+import traceback
 from pathlib import Path
 
 import bpy
@@ -31,8 +33,8 @@ PARTS = {
 }
 
 
-def main() -> None:
-    """Measure, write, and say how long each part took."""
+def main() -> int:
+    """Measure and write; how many parts failed."""
     options = parse()
     scene = open_scene(options.scene, options.quick)
     use_cycles(scene, options.threads)
@@ -49,12 +51,21 @@ def main() -> None:
         renew=options.renew,
     )
     options.folder.mkdir(parents=True, exist_ok=True)
-    for part in options.parts:
-        start = time.perf_counter()
+    return sum(not measure(bench, part) for part in options.parts)
+
+
+def measure(bench: Bench, part: str) -> bool:
+    """Write what a part finds; whether it went well. One that fails does not end the others."""
+    start = time.perf_counter()
+    try:
         found = PARTS[part](bench)
-        found["seconds"] = time.perf_counter() - start
-        (options.folder / f"{bench.name}.{part}.json").write_text(json.dumps(found, indent=1))
-        print(f"{bench.name} {part}: {found['seconds']:.0f} s", flush=True)
+    except Exception:
+        traceback.print_exc()
+        return False
+    found["seconds"] = time.perf_counter() - start
+    (bench.folder / f"{bench.name}.{part}.json").write_text(json.dumps(found, indent=1))
+    print(f"{bench.name} {part}: {found['seconds']:.0f} s", flush=True)
+    return True
 
 
 def parse():
@@ -81,4 +92,4 @@ def open_scene(name: str, quick: bool):
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

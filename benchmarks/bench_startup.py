@@ -49,7 +49,7 @@ def main() -> None:
         "cold": cold,
         "warm": {name: float(np.median([marks[name] for marks in warm])) for name in cold},
         "kernels": len(before),
-        "compiled_by_settings": sorted(compiled),
+        "compiled_by_settings": sorted({name.split("-")[0] for name in compiled}),
         "load": load(),
         "seconds": time.perf_counter() - start,
     }

@@ -83,12 +83,12 @@ class Effort(NamedTuple):
     ray_samples: int = 32
     thread_samples: int = 64
     picture_error: float = 0.07
-    check_seconds: float = 20.0
+    check_seconds: float = 12.0
 
 
 FULL = Effort(
-    render_seconds={"iwis": 12.0, "core": 8.0, "cycles": 40.0, "mitsuba": 20.0},
-    reference_seconds={"iwis": 60.0, "mitsuba": 50.0},
+    render_seconds={"iwis": 8.0, "core": 8.0, "cycles": 30.0, "mitsuba": 12.0},
+    reference_seconds={"iwis": 60.0, "mitsuba": 40.0},
 )
 QUICK = Effort(
     render_seconds={"iwis": 1.0, "core": 1.0, "cycles": 4.0, "mitsuba": 1.0},
