@@ -30,9 +30,10 @@ def background_layers(
     if scene.environment.visible_to_camera:
         radiance = np.empty((int(missed.sum()), 3), np.float32)
         eval_environment_many(lookup, np.ascontiguousarray(directions[missed]), radiance)
+        radiance *= np.float32(scene.exposure)
         _flat(layers, "environment")[missed] = radiance
         if not scene.transparent_film:
-            _flat(layers, "combined")[missed, :3] = radiance * np.float32(scene.exposure)
+            _flat(layers, "combined")[missed, :3] = radiance
     if not scene.transparent_film:
         _flat(layers, "combined")[missed, 3] = 1.0
     return layers
@@ -86,14 +87,14 @@ def filtered_layers(
     passes = np.maximum(sums.passes, 1)[:, None]
     light = {
         name: getattr(sums, name) / passes * np.float64(scene.exposure)
-        for name in ("diffuse", "glossy", "emission", "unoccluded")
+        for name in ("diffuse", "glossy", "emission", "environment", "unoccluded")
     }
     values = {
-        name: getattr(sums, name) / passes
-        for name in ("environment", "normal", "diffuse_color", "glossy_color")
+        name: getattr(sums, name) / passes for name in ("normal", "diffuse_color", "glossy_color")
     }
     values |= {
         "emission": light["emission"],
+        "environment": light["environment"],
         "unoccluded": light["unoccluded"],
         "diffuse_direct": _divided(light["diffuse"], values["diffuse_color"]),
         "glossy_direct": _divided(light["glossy"], values["glossy_color"]),
@@ -109,7 +110,7 @@ def filtered_layers(
     if scene.transparent_film:
         combined[:, 3] = sums.hits / passes[:, 0]
     else:
-        combined[:, :3] += values["environment"] * scene.exposure
+        combined[:, :3] += values["environment"]
         combined[:, 3] = 1.0
     return layers
 

@@ -93,11 +93,12 @@ def test_worlds_hidden_from_the_camera_still_light():
     assert layers["combined"][~sky][:, :3].min() > 0.0
 
 
-def test_exposure_multiplies_light_only():
-    """Combined, direct light and I_s twice as bright; colours, counts and errors unchanged."""
-    one, _ = make_picture(_scene(), max_samples=16)
-    two, _ = make_picture(_scene(exposure=2.0), max_samples=16)
-    for name in ("diffuse_direct", "unoccluded", "glossy_direct", "emission"):
+@pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
+def test_exposure_multiplies_light_only(pixel_filter):
+    """Combined, light and I_s twice as bright, as in Cycles; colours, counts, errors unchanged."""
+    one, _ = make_picture(_scene(), max_samples=16, pixel_filter=pixel_filter)
+    two, _ = make_picture(_scene(exposure=2.0), max_samples=16, pixel_filter=pixel_filter)
+    for name in ("diffuse_direct", "unoccluded", "glossy_direct", "emission", "environment"):
         np.testing.assert_allclose(two[name], 2.0 * one[name], rtol=1e-6, err_msg=name)  # float32
     np.testing.assert_allclose(two["combined"][..., :3], 2.0 * one["combined"][..., :3], rtol=1e-6)
     for name in ("diffuse_color", "samples", "error", "visibility", "depth"):
