@@ -10,7 +10,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     accel, lobes, pyramid, haar_product,             3  rays, materials at a point; light; products
     table_cache, sequence, stop_rule
     brdf, lobe_cells, product, tables, incremental,  4  the BSDF; light x BSDF; the paper's loop
-    pixel_filter, cell_lookup, light_cache
+    pixel_filter, cell_lookup, light_cache, light_leaves
     product_build, warp, light_rays, paper_tables,   5  product sampling; the tables of a scene
     pass_sums, light_cells
     unbiased, paper_products, light_tree, develop    6  the two modes; the light; layers

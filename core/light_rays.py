@@ -10,6 +10,7 @@ from ._jit import kernel
 from .accel import start_shadow_ray
 from .brdf import eval_at, pdf_at
 from .environment import EnvironmentLookup
+from .light_leaves import LightLeaves, light_leaves
 from .product import ProductCells, product_cells
 from .pyramid import LightPyramid, pdf_light
 
@@ -21,12 +22,13 @@ class Light(NamedTuple):
 
     lookup: EnvironmentLookup
     pyramid: LightPyramid
+    leaves: LightLeaves
     cells: ProductCells
 
 
 def make_light(lookup: EnvironmentLookup, pyramid: LightPyramid) -> Light:
     """Everything of the light, from its lookup and its quadtree."""
-    return Light(lookup, pyramid, product_cells(pyramid))
+    return Light(lookup, pyramid, light_leaves(pyramid), product_cells(pyramid))
 
 
 @kernel(forceinline=True)

@@ -218,7 +218,7 @@ def stop_rule(settings: RenderSettings, neighbours: Neighbours) -> StopRule:
     threshold, most = settings.error_threshold, settings.max_samples
     # e_d is 0 where all samples were seen: E = 0 must not stop there.
     if settings.stop_rule == "FIXED" or threshold == 0.0:
-        return PaperRule(-1.0, settings.batch_size, most)
+        return PaperRule(-1.0, most, most)
     if settings.stop_rule == "PAPER":
         return PaperRule(threshold, settings.batch_size, most)
     return PerceptualRule(typical_count(threshold), most, neighbours)

@@ -135,10 +135,7 @@ def add_samples(
         own, part = seen.at(block), PixelSums(*(column[block] for column in sums))
         sampler = _make_sampler(job, own, rect)
         part.count[:] += first
-        batch_size = min(job.settings.batch_size, job.settings.max_samples)
-        traced += continue_points(
-            sampler, part, job.accel, rule_of(block), batch_size, job.stop.is_set
-        )
+        traced += continue_points(sampler, part, job.accel, rule_of(block), job.stop.is_set)
         part.count[:] -= first
         known = sampler.unoccluded()
         if known is not None:

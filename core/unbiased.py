@@ -160,7 +160,7 @@ def _write_lanes(task, cut, work, n, rays, m):
     light, lanes, numbers = task.light, work.lanes, work.lanes.numbers
     _place_points(work.bits, task.sequence.scrambled, numbers, n)
     n_follows = _part_lanes(work, n)
-    warp_lanes(task.products, cut, light.cells.morton, light.pyramid, lanes, n)
+    warp_lanes(task.products, cut, light.cells.morton, light.pyramid, light.leaves, lanes, n)
     _follow_lobes(task, work, n_follows)
     fill_map_coordinates(light.lookup, lanes, n)
     s = 0

@@ -15,6 +15,7 @@ import numpy as np
 
 from ._jit import kernel
 from .environment import map_coordinates
+from .light_leaves import choose_leaf
 from .product import (
     BASE_BEGIN,
     BASE_CELLS,
@@ -40,7 +41,6 @@ _ZERO, _HALF, _ONE, _TWO = np.float32(0.0), np.float32(0.5), np.float32(1.0), np
 _BELOW_ONE = np.float32(1.0 - 2.0**-24)
 _QUARTER_PI, _SQRT_HALF = np.float32(0.25 * math.pi), np.float32(math.sqrt(0.5))
 _TINY = np.float32(1e-30)
-_FEW = 8  # a part of the lanes smaller than this is not worth a step of all
 
 
 class Lanes(NamedTuple):
@@ -49,7 +49,6 @@ class Lanes(NamedTuple):
     numbers: float32 (rows * LANES,): X, Y, DX ... are where a row begins
     cell, quadrant: int32 (LANES,), where a lane is, and where it goes
     block: int32 (LANES,), 1 + the block of its product that it is in, 0 = none
-    node: int32 (LANES,), where it is in the light, below the whole levels
     tree: int64 (LANES,), where the lane's product begins in the array of all products
     point, sample: int32 (LANES,), the caller's: shading point and index of its sample
     """
@@ -58,7 +57,6 @@ class Lanes(NamedTuple):
     cell: np.ndarray
     quadrant: np.ndarray
     block: np.ndarray
-    node: np.ndarray
     tree: np.ndarray
     point: np.ndarray
     sample: np.ndarray
@@ -68,7 +66,6 @@ def new_lanes() -> Lanes:
     """Lanes with nothing in them."""
     return Lanes(
         np.zeros(_ROWS * LANES, np.float32),
-        np.zeros(LANES, np.int32),
         np.zeros(LANES, np.int32),
         np.zeros(LANES, np.int32),
         np.zeros(LANES, np.int32),
@@ -196,66 +193,18 @@ def _descend_light(averages, level, levels, lanes, n):
 
 
 @kernel
-def _descend_alone(light, numbers, s, node):
-    """Lane s on from a node to its leaf, which is returned; X and Y stay those of the node."""
-    averages, children = light.averages, light.children
-    x, y = numbers[X + s], numbers[Y + s]
-    column, row, size = _ZERO, _ZERO, _ONE
-    while children[node] > 0:
-        child, size = children[node], _HALF * size
-        top, bottom = (
-            averages[child] + averages[child + 1],
-            averages[child + 2] + averages[child + 3],
-        )
-        y *= top + bottom
-        if y >= top and bottom > _ZERO:
-            y, row, top, child = y - top, row + size, bottom, child + 2
-        y = min(y / top, _BELOW_ONE)
-        x *= top
-        left, right = averages[child], averages[child + 1]
-        if x >= left and right > _ZERO:
-            x, column, left, child = x - left, column + size, right, child + 1
-        x = min(x / left, _BELOW_ONE)
-        node = child
-    numbers[X + s] = min(column + size * x, _BELOW_ONE)
-    numbers[Y + s] = min(row + size * y, _BELOW_ONE)
-    return node
-
-
-@kernel
-def _descend_leaves(light, lanes, n):
-    """On from the last whole level to the leaves; returns the level that all lanes end at.
-
-    A lane that is in its leaf already goes on evenly, which leaves its point where it is. The last
-    few lanes that are not go on alone.
-    """
-    averages, children = light.averages, light.children
-    numbers, cell, node = lanes.numbers, lanes.cell, lanes.node
-    begin = np.int32(level_offset(light.levels))
+def _choose_leaves(light, leaves, lanes, n):
+    """From the last whole level to a leaf: X, Y of the whole square, PDF."""
+    numbers, cells, levels = lanes.numbers, lanes.cell, light.levels
+    begin, inverse = level_offset(levels), np.float32(1.0 / (1 << levels))
     for s in range(n):
-        node[s] = begin + cell[s]
-    for level in range(light.levels, light.deepest):
-        inside = 0
-        for s in range(n):
-            child = children[node[s]]
-            inside += child > 0
-            a, b = averages[child], averages[child + 1]
-            c, d = averages[child + 2], averages[child + 3]
-            numbers[_A + s] = a if child > 0 else _ONE
-            numbers[_B + s] = b if child > 0 else _ONE
-            numbers[_C + s] = c if child > 0 else _ONE
-            numbers[_D + s] = d if child > 0 else _ONE
-        if inside * _FEW < n:
-            for s in range(n):
-                if children[node[s]] > 0:
-                    node[s] = _descend_alone(light, numbers, s, node[s])
-            return level
-        _choose_children(numbers, lanes.quadrant, n)
-        for s in range(n):
-            child = children[node[s]]
-            node[s] = child + lanes.quadrant[s] if child > 0 else node[s]
-            cell[s] = 4 * cell[s] + lanes.quadrant[s]
-    return light.deepest
+        cell = cells[s]
+        average = light.averages[begin + np.int64(cell)]
+        x, y, average = choose_leaf(leaves, average, cell, numbers[X + s], numbers[Y + s])
+        row, column = morton_to_row_column(cell, levels)
+        numbers[X + s] = (np.float32(column) + x) * inverse
+        numbers[Y + s] = (np.float32(row) + y) * inverse
+        numbers[PDF + s] *= average
 
 
 @kernel
@@ -282,12 +231,12 @@ def _square_to_sphere(numbers, n):
 
 
 @kernel
-def warp_lanes(products, cut, morton, light, lanes, n):
+def warp_lanes(products, cut, morton, light, leaves, lanes, n):
     """Warp the points (X, Y) of lanes 0 ... n - 1 to directions (DX, DY, DZ), with their PDF.
 
     products: of all points, with lanes.tree and lanes.point: which; their sums must be above 0
     cut: whether these have blocks: all or none; morton: of the ProductCells; light: the
-    LightPyramid below. PDF is in sr^-1.
+    LightPyramid below, and its LightLeaves. PDF is in sr^-1.
     """
     numbers, cell = lanes.numbers, lanes.cell
     averages = light.averages
@@ -301,13 +250,7 @@ def warp_lanes(products, cut, morton, light, lanes, n):
         _descend_blocks(products, light, scale, lanes, n)
         level = DEEPEST_LEVEL
     _descend_light(averages, level, light.levels, lanes, n)  # whole to DEEPEST_LEVEL at least
-    finest = _descend_leaves(light, lanes, n)
-    inverse = np.float32(1.0 / (1 << finest))
-    for s in range(n):
-        row, column = morton_to_row_column(cell[s], finest)
-        numbers[X + s] = (np.float32(column) + numbers[X + s]) * inverse
-        numbers[Y + s] = (np.float32(row) + numbers[Y + s]) * inverse
-        numbers[PDF + s] *= averages[lanes.node[s]]
+    _choose_leaves(light, leaves, lanes, n)
     _square_to_sphere(numbers, n)
 
 

@@ -168,13 +168,22 @@ def test_known_unoccluded_light_replaces_the_samples():
 
 
 def test_cancel_keeps_what_is_there():
-    """Asked before each round; sums are those of the rounds that were done."""
-    answers = iter([False, False, True])
-    script = ScriptedLight(np.ones((2, 64), bool))
-    settings = RenderSettings(max_samples=64, batch_size=8, stop_rule="FIXED")
+    """Asked before each round and after each batch; sums are those of the batches done."""
+    answers = iter([False, False, False, True, True])
+    script = ScriptedLight(np.tile(np.arange(64) % 2 == 0, (2, 1)))
+    settings = RenderSettings(max_samples=64, batch_size=8, stop_rule="PAPER", error_threshold=1e-3)
     sums, traced = sample_points(script, 2, script, settings, lambda: next(answers))
     assert sums.count.tolist() == [16, 16] and traced == 32
-    assert sums.visible.tolist() == [16, 16]
+    assert sums.visible.tolist() == [8, 8]
+
+
+def test_cancel_is_seen_between_the_batches_of_a_round():
+    """A fixed count is one round: it does not keep anybody waiting."""
+    answers = iter([False, True, True])
+    script = ScriptedLight(np.ones((20, 1000), bool))
+    settings = RenderSettings(max_samples=1000, stop_rule="FIXED")
+    sums, traced = sample_points(script, 20, script, settings, lambda: next(answers))
+    assert sums.count.tolist() == [1000] * 8 + [0] * 12 and traced == 8000
 
 
 @pytest.mark.parametrize("estimator", ["UNBIASED", "PAPER"])
