@@ -26,7 +26,7 @@ from .settings import RenderSettings
 from .shading import ShadingPoints, params_at, shading_points
 from .unbiased import UnbiasedSampler
 
-# Points that are sampled together: their products (22 kB each where a lobe is narrow) stay in a
+# Points that are sampled together: their products (13 kB each where a lobe is glossy) stay in a
 # core's cache from round to round, and a batch is still long enough for Embree.
 BLOCK_POINTS = 256
 

@@ -53,7 +53,7 @@ class IWISSceneProperties(bpy.types.PropertyGroup):
         **_number(
             "error_threshold",
             name="Error Threshold",
-            description="A pixel is done when its estimated visible error is below this",
+            description="The relative noise left where half of the light is hidden",
             soft_max=1.0,
             precision=3,
         )
