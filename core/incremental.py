@@ -68,8 +68,8 @@ class Sampler(Protocol):
     def unoccluded(self) -> np.ndarray | None:
         """I_s, float32 (n, 3), where it is known; None: the mean of the samples stands for it."""
 
-    def sample(self, active: np.ndarray, first: int, count: int, rays: RayBatch) -> int:
-        """Fill rays with samples first ... first + count - 1 of the active points.
+    def sample(self, active: np.ndarray, first: int, counts: np.ndarray, rays: RayBatch) -> int:
+        """Fill rays with samples first ... first + counts[a] - 1 of each active[a], both int32.
 
         Samples that can carry no light may be left out. Returns how many rays were written.
         """
@@ -145,6 +145,16 @@ def _least_count(wanted, sums):
     return least
 
 
+@kernel
+def _batch_end(counts, first):
+    """The end of the points from ``first`` on whose samples are one batch: one point at least."""
+    last, total = first + 1, counts[first]
+    while last < len(counts) and total + counts[last] <= _BATCH_RAYS:
+        total += counts[last]
+        last += 1
+    return last
+
+
 def continue_points(
     sampler: Sampler,
     sums: PixelSums,
@@ -163,18 +173,18 @@ def continue_points(
     rays, traced, taken = new_rays(_BATCH_RAYS), 0, _least_count(wanted, sums)
     while taken >= 0 and not cancelled():
         active = room[: _select(wanted, taken, sums, room)].copy()
-        count = min(rule.round_end(taken) - taken, _BATCH_RAYS)
-        at_once = max(_BATCH_RAYS // count, 1)
-        for first in range(0, len(active), at_once):
-            some = active[first : first + at_once]
-            n_rays = sampler.sample(some, taken, count, rays)
+        end = min(rule.round_end(taken), taken + _BATCH_RAYS)
+        counts = np.minimum(wanted[active], end) - np.int32(taken)
+        first = 0
+        while first < len(active) and not (first and cancelled()):
+            last = _batch_end(counts, first)
+            some, own = active[first:last], counts[first:last]
+            n_rays = sampler.sample(some, taken, own, rays)
             occluded = accel.occluded(rays.origins[:n_rays], rays.directions[:n_rays])
             _add_rays(rays, n_rays, occluded, sums)
-            sums.count[some] += count
-            traced += n_rays
-            if cancelled():
-                break
-        rule.decide(active, taken + count, sums, wanted)
+            sums.count[some] += own
+            traced, first = traced + n_rays, last
+        rule.decide(active[sums.count[active] == end], end, sums, wanted)
         taken = _least_count(wanted, sums)
     rule.finish(sums)
     return traced

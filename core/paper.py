@@ -51,7 +51,7 @@ def _sample_point(tables, products, trees, weights, p, x, y):
 
 @kernel
 def _sample_round(
-    tables, products, trees, points, sequence, weights, offset, active, first, count, rays
+    tables, products, trees, points, sequence, weights, offset, active, first, counts, rays
 ):
     """Rays that leave the surface; those below it are occluded, which needs no ray.
 
@@ -60,7 +60,7 @@ def _sample_round(
     n = 0
     for a in range(len(active)):
         p = active[a]
-        for k in range(first, first + count):
+        for k in range(first, first + counts[a]):
             x, y = sequence_point(sequence, p, k)
             dx, dy, dz = _sample_point(tables, products, trees, weights, p, x, y)
             wx, wy, wz = np.float32(dx), np.float32(dy), np.float32(dz)
@@ -117,7 +117,7 @@ class PaperSampler:
         """I_s: float32 (n, 3)."""
         return self.products.diffuse + self.products.glossy
 
-    def sample(self, active: np.ndarray, first: int, count: int, rays: RayBatch) -> int:
+    def sample(self, active: np.ndarray, first: int, counts: np.ndarray, rays: RayBatch) -> int:
         """See incremental.Sampler."""
         return _sample_round(
             self._tables,
@@ -129,6 +129,6 @@ class PaperSampler:
             self._offset,
             active,
             first,
-            count,
+            counts,
             rays,
         )

@@ -75,12 +75,12 @@ def sample_light(pyramid, x, y):
 
 
 @kernel
-def _sample_round(points, lobes, light, share, sequence, offset, active, first, count, rays):
+def _sample_round(points, lobes, light, share, sequence, offset, active, first, counts, rays):
     n = 0
     for a in range(len(active)):
         p = active[a]
         at = lobes_at(lobes, p)
-        for k in range(first, first + count):
+        for k in range(first, first + counts[a]):
             x, y = sequence_point(sequence, p, k)
             if x < share:
                 wx, wy, wz, _ = sample_at(at, np.float32(x / share), np.float32(y))
@@ -125,7 +125,7 @@ class MixtureSampler:
     def unoccluded(self) -> None:
         """See incremental.Sampler: only the samples know it."""
 
-    def sample(self, active: np.ndarray, first: int, count: int, rays: RayBatch) -> int:
+    def sample(self, active: np.ndarray, first: int, counts: np.ndarray, rays: RayBatch) -> int:
         """See incremental.Sampler."""
         return _sample_round(
             self._points,
@@ -136,7 +136,7 @@ class MixtureSampler:
             self._offset,
             active,
             first,
-            count,
+            counts,
             rays,
         )
 

@@ -138,7 +138,7 @@ class StopRule(Protocol):
         """Set ``wanted`` for points that have the samples in ``sums``, or none."""
 
     def round_end(self, taken: int) -> int:
-        """Where the round that begins at ``taken`` samples ends at the latest."""
+        """Where the round that begins at ``taken`` samples ends: decide() is asked there."""
 
     def decide(self, active: np.ndarray, taken: int, sums, wanted: np.ndarray) -> None:
         """Set ``wanted`` of the active points, int32, which have ``taken`` samples now."""
@@ -190,12 +190,14 @@ class PerceptualRule:
             self._set(np.flatnonzero(sums.count).astype(np.int32), sums, wanted)
 
     def round_end(self, taken: int) -> int:
-        """See StopRule."""
-        return min(next_count(taken), self._most)
+        """See StopRule: the next power of two."""
+        if self._plan is not None:
+            return self._most
+        return min(max(1 << int(taken).bit_length(), FIRST_COUNT), self._most)
 
     def decide(self, active: np.ndarray, taken: int, sums, wanted: np.ndarray) -> None:
         """See StopRule."""
-        if self._plan is None and taken >= FIRST_COUNT and taken & (taken - 1) == 0:
+        if self._plan is None and len(active):
             self._set(active, sums, wanted)
 
     def finish(self, sums) -> None:

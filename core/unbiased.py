@@ -179,19 +179,19 @@ def _write_lanes(task, cut, work, n, rays, m):
 
 
 @kernel
-def _sample_round(task, work, active, first, count, rays):
+def _sample_round(task, work, active, first, counts, rays):
     """Fill rays with the next samples of the active points; returns how many carry light.
 
     Lanes are filled over the borders of points, but not by points with and without blocks.
     """
     m, n, cut = 0, 0, False
     for a in range(len(active)):
-        p, k = active[a], first
-        while k < first + count:
+        p, k, last = active[a], first, first + counts[a]
+        while k < last:
             if n == LANES or (task.products.blocks[p] > 0) != cut:
                 m = _write_lanes(task, cut, work, n, rays, m)
                 n, cut = 0, task.products.blocks[p] > 0
-            take = min(first + count - k, LANES - n)
+            take = min(last - k, LANES - n)
             _fill_lanes(task, p, k, k + take, work, n)
             n, k = n + take, k + take
     return _write_lanes(task, cut, work, n, rays, m)
@@ -224,6 +224,6 @@ class UnbiasedSampler:
     def unoccluded(self) -> None:
         """See incremental.Sampler: only the samples know it."""
 
-    def sample(self, active: np.ndarray, first: int, count: int, rays: RayBatch) -> int:
+    def sample(self, active: np.ndarray, first: int, counts: np.ndarray, rays: RayBatch) -> int:
         """See incremental.Sampler."""
-        return _sample_round(self._task, self._work, active, first, count, rays)
+        return _sample_round(self._task, self._work, active, first, counts, rays)

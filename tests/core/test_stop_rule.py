@@ -34,11 +34,11 @@ class Penumbra:
     def unoccluded(self):
         return None
 
-    def sample(self, active, first, count, rays):
-        n = len(active) * count
-        rays.point[:n] = np.repeat(active, count)
+    def sample(self, active, first, counts, rays):
+        n = counts.sum()
+        rays.point[:n] = np.repeat(active, counts)
         rays.origins[:n, 0] = rays.point[:n]
-        rays.origins[:n, 1] = np.tile(np.arange(first, first + count), len(active))
+        rays.origins[:n, 1] = np.concatenate([first + np.arange(count) for count in counts])
         rays.diffuse[:n], rays.glossy[:n] = 1.0, 0.0
         return n
 

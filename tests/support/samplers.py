@@ -50,5 +50,6 @@ def plain_sequence(n, count) -> PixelSequence:
 def all_rays(sampler, active: np.ndarray, count: int) -> RayBatch:
     """The rays of the first ``count`` samples of the points ``active``, those that carry light."""
     rays = new_rays(len(active) * count)
-    n = sampler.sample(active.astype(np.int32), 0, count, rays)
+    counts = np.full(len(active), count, np.int32)
+    n = sampler.sample(active.astype(np.int32), 0, counts, rays)
     return RayBatch(*(array[:n] for array in rays))
