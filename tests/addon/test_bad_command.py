@@ -115,10 +115,11 @@ INTERRUPT = """
 import os, signal, sys
 from iwis.iwis_addon import cli
 
-where, number = sys.argv[1], int(sys.argv[2])
+where, number, struck = sys.argv[1], int(sys.argv[2]), []
 
 def strike(reached):
-    if reached == where:
+    if reached == where and not struck:  # a second signal would end the process at once
+        struck.append(True)
         os.kill(os.getpid(), number)
 
 class Importing:

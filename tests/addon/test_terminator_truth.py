@@ -21,7 +21,7 @@ def test_coarse_smooth_mesh_at_blenders_default(metallic):
 
     Two pictures of 256 samples have a mean error of some .05 %; .3 % is six times that.
     """
-    scene = scenes.new_scene("city", 0.0, (64, 64))
+    scene = scenes.new_scene("workshop", 0.0, (64, 64))
     monkey = scenes.add_monkey(
         scenes.principled((0.8, 0.6, 0.4), 0.5, metallic), (0.0, 0.0, 0.0), 1.0, 0
     )
