@@ -31,6 +31,8 @@ class Recorded(NamedTuple):
 class RecordingAccel(Accel):
     """An Accel that keeps what it is asked."""
 
+    by_rays = True
+
     def __init__(self, mesh, *more, **named):
         self.shadow: list[Recorded] = []
         self.primary: list[Recorded] = []

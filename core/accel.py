@@ -28,8 +28,11 @@ class Accel:
     """The bounding volume hierarchy of one mesh table; queries release the GIL.
 
     mesh: the table; offset: metres that a ray must start off its surface; traversal: for kernels
-    that trace rays themselves (embree_rays.py), while the Accel is held
+    that trace rays themselves (embree_rays.py), while the Accel is held; by_rays: whether a
+    subclass wants to be asked for every shadow ray by occluded() instead, which is slower
     """
+
+    by_rays = False
 
     def __init__(self, mesh: TriangleMesh, cancelled=lambda: False):
         """Build it, on all processors. Raises Cancelled soon after ``cancelled`` says so."""

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 
 import numpy as np
 
-from .camera import camera_rays, pixel_grid
-from .develop import add_points, background_layers
+from .camera import pixel_grid, rays_through
+from .develop import MissedRays, PlacedPoints, develop_points
 from .film import Tile
 from .incremental import PixelSums, new_sums
-from .neighbours import CELL_PX, Neighbours, cell_order, find_neighbours
+from .neighbours import CELL_PX, cell_order
 from .scene import Camera
-from .stop_rule import StopRule, stop_rule
+from .stop_rule import stop_rule
 from .tile_job import (
-    BLOCK_POINTS,
     Job,
     Rect,
     SeenPoints,
     TileCounts,
     add_samples,
+    cell_bounds,
+    frame_places,
     trace_points,
     with_lobes,
 )
@@ -45,54 +47,47 @@ class CenterTile:
         self._whole = rect if alone else whole_cells(rect, job.scene.camera)
         self._sums: PixelSums | None = None
         self._seen: SeenPoints | None = None
-        self._directions: np.ndarray | None = None
-        self._blocks: list[slice] = []
+        self._missed: MissedRays | None = None
+        self._bounds = np.zeros(1, np.int32)
         self._traced = self._primary = 0
 
     def advance(self, samples: int) -> bool:
         """See TileWork."""
         self._look()
         settings = self._job.settings
-        upto = dataclasses.replace(settings, max_samples=min(samples, settings.max_samples))
-
-        def rule_of(block) -> StopRule:
-            return stop_rule(upto, self._neighbours(block))
-
+        rule = stop_rule(
+            dataclasses.replace(settings, max_samples=min(samples, settings.max_samples))
+        )
         self._traced += add_samples(
-            self._job, self._seen, self._whole, self._sums, self._blocks, rule_of
+            self._job, self._seen, self._whole, self._sums, self._bounds, rule
         )
         return samples >= settings.max_samples or self._sums.count.max(initial=0) < samples
 
     def develop(self) -> Tile:
         """See TileWork."""
         self._look()
-        scene, points = self._job.scene, self._seen.points
-        width, height = self._whole.width, self._whole.height
-        missed = np.ones(width * height, np.bool_)
-        missed[points.pixel] = False
-        layers = background_layers(
-            scene, self._job.light.lookup, self._directions, missed, (width, height)
+        points, lobes, _ = self._seen
+        columns, rows = frame_places(self._whole, points.pixel)
+        layers = develop_points(
+            self._job.scene,
+            self._job.light.lookup,
+            PlacedPoints(points, lobes, places_in(self.rect, columns, rows)),
+            self._missed,
+            self._sums,
+            self.rect[2:],
+            self._job.settings.max_samples,
         )
-        if len(points.pixel):
-            lobes, settings = self._seen.lobes, self._job.settings
-            add_points(layers, scene, points, lobes, self._sums, settings.max_samples)
-        x, y, width, height = self.rect
-        rows = slice(y - self._whole.y, y - self._whole.y + height)
-        columns = slice(x - self._whole.x, x - self._whole.x + width)
-        layers = {name: np.ascontiguousarray(a[rows, columns]) for name, a in layers.items()}
-        return Tile(x, y, width, height, layers)
+        return Tile(*self.rect, layers)
 
     def rest(self) -> None:
         """See TileWork."""
-        self._seen = self._directions = None
+        self._seen = self._missed = None
 
     def counts(self) -> TileCounts:
         """See TileWork."""
         self._look()
-        columns, rows = self._places()
-        x, y, width, height = self.rect
-        inside = (columns >= x) & (columns < x + width) & (rows >= y) & (rows < y + height)
-        count = self._sums.count[inside]
+        columns, rows = frame_places(self._whole, self._seen.points.pixel)
+        count = self._sums.count[places_in(self.rect, columns, rows) >= 0]
         return TileCounts(
             len(count), int(count.sum()), int(count.max(initial=0)), self._traced, self._primary
         )
@@ -101,33 +96,36 @@ class CenterTile:
         """Have the points that the pixels' centres see, in the order of their cells."""
         if self._seen is not None:
             return
-        scene = self._job.scene
-        origins, self._directions = camera_rays(scene.camera, *self._whole)
+        scene, whole = self._job.scene, self._whole
+        pixel, ends = _cell_pixels(whole.x % CELL_PX, whole.y % CELL_PX, *whole[2:])
+        columns, rows = frame_places(whole, pixel)
+        origins, directions = rays_through(scene.camera, columns + 0.5, rows + 0.5)
         self._primary += len(origins)
-        points = trace_points(self._job, origins, self._directions)
-        columns, rows = (places[points.pixel] for places in pixel_grid(*self._whole))
-        order, ends = cell_order(columns, rows)
-        self._blocks = _runs_of_cells(ends)
-        self._seen = with_lobes(scene, points).at(order)
+        points = trace_points(self._job, origins, directions)
+        self._bounds = cell_bounds(points, ends)
+        missed = np.ones(len(pixel), np.bool_)
+        missed[points.pixel] = False
+        self._missed = MissedRays(
+            places_in(self.rect, columns[missed], rows[missed]), directions[missed]
+        )
+        self._seen = with_lobes(scene, points._replace(pixel=pixel[points.pixel]))
         if self._sums is None:
-            self._sums = new_sums(len(order))
-
-    def _places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Column and row in the frame of every point."""
-        columns, rows = pixel_grid(*self._whole)
-        return columns[self._seen.points.pixel], rows[self._seen.points.pixel]
-
-    def _neighbours(self, block: slice) -> Neighbours:
-        columns, rows = self._places()
-        materials, normal = self._seen.rows[block], self._seen.points.normal[block]
-        return find_neighbours(columns[block], rows[block], materials, normal)
+            self._sums = new_sums(len(points.pixel))
 
 
-def _runs_of_cells(ends: np.ndarray) -> list[slice]:
-    """Slices of whole cells with about BLOCK_POINTS points. ends: of neighbours.cell_order"""
-    runs, first = [], 0
-    for k in range(1, len(ends)):
-        if k + 1 == len(ends) or ends[k + 1] - first > BLOCK_POINTS:
-            runs.append(slice(first, int(ends[k])))
-            first = int(ends[k])
-    return runs
+def places_in(rect: Rect, columns: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """int32: rows of a tile's pixels, of columns and rows in the frame; -1 = outside."""
+    x, y = columns - np.int32(rect.x), rows - np.int32(rect.y)
+    inside = (x >= 0) & (x < rect.width) & (y >= 0) & (y < rect.height)
+    return np.where(inside, y * np.int32(rect.width) + x, np.int32(-1))
+
+
+@functools.lru_cache(maxsize=64)
+def _cell_pixels(x: int, y: int, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pixels of a tile in the order of their cells, int32, and where each cell begins.
+
+    x, y: of the tile's corner in its cell
+    """
+    columns, rows = pixel_grid(x, y, width, height)
+    order, ends = cell_order(columns, rows)
+    return order.astype(np.int32), ends

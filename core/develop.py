@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from ._jit import kernel
 from .camera import planar_depth
 from .environment import EnvironmentLookup, eval_environment_many
 from .film import new_layers
@@ -16,62 +19,118 @@ from .shading import ShadingPoints
 NO_DEPTH = 1e10  # what Cycles writes where nothing is hit
 
 
-def background_layers(
-    scene: Scene, lookup: EnvironmentLookup, directions: np.ndarray, missed: np.ndarray, size
-) -> dict[str, np.ndarray]:
-    """The layers of a tile that sees nothing but the world.
+class PlacedPoints(NamedTuple):
+    """The points that a tile's rays hit; place: int32 (n,), pixels of the tile, -1 = outside."""
 
-    directions: float32 (n, 3) of all the tile's rays; missed: bool (n,); size: (width, height)
+    points: ShadingPoints
+    lobes: Lobes
+    place: np.ndarray
+
+
+class MissedRays(NamedTuple):
+    """The rays that see the world.
+
+    place: their pixels, as PlacedPoints.place; directions: float32 (n, 3)
+    """
+
+    place: np.ndarray
+    directions: np.ndarray
+
+
+class PointLayers(NamedTuple):
+    """film.LAYERS of a tile, float32 (pixels, channels) each, as kernels take them."""
+
+    combined: np.ndarray
+    depth: np.ndarray
+    position: np.ndarray
+    normal: np.ndarray
+    object_index: np.ndarray
+    material_index: np.ndarray
+    environment: np.ndarray
+    emission: np.ndarray
+    diffuse_direct: np.ndarray
+    diffuse_color: np.ndarray
+    glossy_direct: np.ndarray
+    glossy_color: np.ndarray
+    sample_count: np.ndarray
+    samples: np.ndarray
+    error: np.ndarray
+    unoccluded: np.ndarray
+    visibility: np.ndarray
+
+
+@kernel(forceinline=True)
+def _divide(light, color):
+    """light / color where color is not black: Cycles' direct passes are without their colour."""
+    return light / np.float64(color) if color > 0.0 else 0.0
+
+
+@kernel
+def _write_points(place, normal, lobes, sums, exposure, max_samples, layers):
+    for p in range(len(place)):
+        k = place[p]
+        if k < 0:
+            continue
+        count = max(sums.count[p], 1)
+        scale = exposure / count
+        for a in range(3):
+            diffuse, glossy = sums.diffuse[p, a] * scale, sums.glossy[p, a] * scale
+            emission = np.float64(lobes.emission[p, a]) * exposure
+            layers.combined[k, a] = diffuse + glossy + emission
+            layers.normal[k, a], layers.emission[k, a] = normal[p, a], emission
+            layers.diffuse_direct[k, a] = _divide(diffuse, lobes.diffuse[p, a])
+            layers.diffuse_color[k, a] = lobes.diffuse[p, a]
+            layers.glossy_direct[k, a] = _divide(glossy, lobes.glossy_color[p, a])
+            layers.glossy_color[k, a] = lobes.glossy_color[p, a]
+            layers.unoccluded[k, a] = sums.unoccluded[p, a] * scale
+        layers.combined[k, 3] = 1.0
+        layers.sample_count[k, 0] = np.float64(sums.count[p]) / max_samples
+        layers.samples[k, 0] = sums.count[p]
+        layers.error[k, 0] = sums.error[p] if np.isfinite(sums.error[p]) else 0.0
+        layers.visibility[k, 0] = np.float64(sums.visible[p]) / count
+
+
+def develop_points(
+    scene: Scene,
+    lookup: EnvironmentLookup,
+    seen: PlacedPoints,
+    missed: MissedRays,
+    sums: PixelSums,
+    size: tuple[int, int],
+    max_samples: int,
+) -> dict[str, np.ndarray]:
+    """The layers of a tile whose pixels have one shading point each.
+
+    size: (width, height)
     """
     layers = new_layers(*size)
-    layers["depth"][:] = NO_DEPTH
-    if not missed.any():
-        return layers
-    if scene.environment.visible_to_camera:
-        radiance = np.empty((int(missed.sum()), 3), np.float32)
-        eval_environment_many(lookup, np.ascontiguousarray(directions[missed]), radiance)
-        radiance *= np.float32(scene.exposure)
-        _flat(layers, "environment")[missed] = radiance
-        if not scene.transparent_film:
-            _flat(layers, "combined")[missed, :3] = radiance
-    if not scene.transparent_film:
-        _flat(layers, "combined")[missed, 3] = 1.0
+    flat = PointLayers(*(_flat(layers, name) for name in PointLayers._fields))
+    flat.depth[:] = NO_DEPTH
+    _write_background(scene, lookup, missed, flat)
+    points, place = seen.points, seen.place
+    inside = place >= 0
+    if not inside.all():
+        points, place = ShadingPoints(*(column[inside] for column in points)), place[inside]
+    _write_geometry(layers, scene, points, place)
+    own = seen.points.normal, seen.lobes, sums
+    _write_points(seen.place, *own, float(scene.exposure), max_samples, flat)
     return layers
 
 
-def add_points(
-    layers: dict[str, np.ndarray],
-    scene: Scene,
-    points: ShadingPoints,
-    lobes: Lobes,
-    sums: PixelSums,
-    max_samples: int,
-) -> None:
-    """Write the tile's shading points into its layers."""
-    pixel = points.pixel
-    count = np.maximum(sums.count, 1)[:, None]
-    exposure = scene.exposure
-    diffuse = sums.diffuse / count * exposure
-    glossy = sums.glossy / count * exposure
-    _write_geometry(layers, scene, points)
-    values = {
-        "normal": points.normal,
-        "emission": lobes.emission * exposure,
-        "diffuse_direct": _divided(diffuse, lobes.diffuse),
-        "diffuse_color": lobes.diffuse,
-        "glossy_direct": _divided(glossy, lobes.glossy_color),
-        "glossy_color": lobes.glossy_color,
-        "sample_count": sums.count[:, None] / max_samples,
-        "samples": sums.count[:, None],
-        "error": np.where(np.isfinite(sums.error), sums.error, 0.0)[:, None],
-        "unoccluded": sums.unoccluded / count * exposure,
-        "visibility": sums.visible[:, None] / count,
-    }
-    for name, value in values.items():
-        _flat(layers, name)[pixel] = value
-    combined = _flat(layers, "combined")
-    combined[pixel, :3] = diffuse + glossy + lobes.emission * exposure
-    combined[pixel, 3] = 1.0
+def _write_background(scene, lookup, missed, flat) -> None:
+    inside = missed.place >= 0
+    place = missed.place[inside]
+    if not len(place):
+        return
+    if scene.environment.visible_to_camera:
+        radiance = np.empty((len(place), 3), np.float32)
+        eval_environment_many(lookup, missed.directions[inside], radiance)
+        radiance *= np.float32(scene.exposure)
+        flat.environment[place] = radiance
+        if not scene.transparent_film:
+            flat.combined[place, :3] = radiance
+    if not scene.transparent_film:
+        flat.combined[place, 3] = 1.0
 
 
 def filtered_layers(
@@ -83,7 +142,7 @@ def filtered_layers(
     """
     layers = new_layers(*size)
     layers["depth"][:] = NO_DEPTH
-    _write_geometry(layers, scene, points)
+    _write_geometry(layers, scene, points, points.pixel)
     passes = np.maximum(sums.passes, 1)[:, None]
     light = {
         name: getattr(sums, name) / passes * np.float64(scene.exposure)
@@ -115,8 +174,11 @@ def filtered_layers(
     return layers
 
 
-def _write_geometry(layers, scene, points) -> None:
-    """Depth, position and indices: of the points, whatever the pixel filter, as in Cycles."""
+def _write_geometry(layers, scene, points, place) -> None:
+    """Depth, position and indices: of the points, whatever the pixel filter, as in Cycles.
+
+    place: int32 (n,), their pixels' rows in the layers
+    """
     objects = scene.mesh.object_index[points.triangle]
     materials = scene.mesh.material_index[points.triangle]
     values = {
@@ -126,7 +188,7 @@ def _write_geometry(layers, scene, points) -> None:
         "material_index": scene.material_pass_index[materials][:, None],
     }
     for name, value in values.items():
-        _flat(layers, name)[points.pixel] = value
+        _flat(layers, name)[place] = value
 
 
 def _divided(light, color):

@@ -189,6 +189,51 @@ def occluded_block(traversal, origins, directions, n, out):
         out[k] = occluded_one(traversal, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
 
 
+@kernel(forceinline=True)
+def _put_lane(packet, lane, numbers, origin, direction, row, s):
+    _put_ray(
+        packet + 4 * lane,
+        4 * _WIDTH,
+        numbers[origin + s],
+        numbers[origin + row + s],
+        numbers[origin + 2 * row + s],
+        numbers[direction + s],
+        numbers[direction + row + s],
+        numbers[direction + 2 * row + s],
+    )
+
+
+@kernel
+def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, seen):
+    """Set seen[ray[k]] where nothing lies on ray k of n.
+
+    numbers: float32, rows ``row`` long: x, y, z of origins from ``origin`` on, of directions from
+    ``direction`` on; ray: int32 (>= n,), where in the rows; seen: bool, false before
+    """
+    if traversal.occluded8 == 0:
+        for k in range(n):
+            s = ray[k]
+            ox, oy = numbers[origin + s], numbers[origin + row + s]
+            dx, dy = numbers[direction + s], numbers[direction + row + s]
+            oz, dz = numbers[origin + 2 * row + s], numbers[direction + 2 * row + s]
+            seen[s] = not occluded_one(traversal, ox, oy, oz, dx, dy, dz)
+        return
+    packet, valid = _stack(_PACKET), _stack(_WIDTH)
+    for lane in range(_WIDTH):
+        _put_constants(packet + 4 * lane, 4 * _WIDTH)
+        _put_ray(packet + 4 * lane, 4 * _WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
+        _put(valid + 4 * lane, _ALL)
+    for first in range(0, n, _WIDTH):
+        size = min(n - first, _WIDTH)
+        for lane in range(size):
+            _put_lane(packet, lane, numbers, origin, direction, row, ray[first + lane])
+        for unused in range(size, _WIDTH):
+            _put(valid + 4 * unused, _ZERO)
+        _call(traversal.occluded8, (valid, traversal.scene, packet, 0))
+        for lane in range(size):
+            seen[ray[first + lane]] = _get_float(packet + 4 * (8 * _WIDTH + lane)) >= _ZERO
+
+
 @kernel
 def intersect_block(traversal, origins, directions, triangle, u, v):
     """Write the nearest hits: triangle int32 (n,), -1 = none; u, v float32 (n,).

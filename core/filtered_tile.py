@@ -20,14 +20,14 @@ from .incremental import PixelSums, new_sums
 from .pass_sums import PassSums, add_background, add_seen, close_pass, fill_spreads, new_pass_sums
 from .pixel_filter import filter_offsets, unit_points
 from .shading import ShadingPoints
-from .stop_rule import PaperRule, plan_counts, typical_count
+from .stop_rule import paper_rule, plan_counts, typical_count
 from .tile_job import (
     Job,
     Rect,
     SeenPoints,
     TileCounts,
     add_samples,
-    plain_blocks,
+    plain_bounds,
     trace_points,
     with_lobes,
 )
@@ -147,11 +147,9 @@ class FilteredTile:
 
     def _sample(self, seen: SeenPoints, count: int) -> PixelSums:
         first = self._passes * samples_of_a_pass(self._job.settings)
-        sums, rule = new_sums(len(seen.rows)), PaperRule(-1.0, count, first + count)
-        blocks = plain_blocks(len(seen.rows))
-        self._traced += add_samples(
-            self._job, seen, self._around, sums, blocks, lambda _: rule, first
-        )
+        sums, rule = new_sums(len(seen.rows)), paper_rule(-1.0, count, first + count)
+        bounds = plain_bounds(len(seen.rows))
+        self._traced += add_samples(self._job, seen, self._around, sums, bounds, rule, first)
         return sums
 
     def _note_objects(self, missed, points: ShadingPoints) -> None:

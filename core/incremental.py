@@ -18,7 +18,15 @@ from .accel import Accel
 from .neighbours import Neighbours, no_neighbours
 from .pyramid import luminance
 from .settings import RenderSettings
-from .stop_rule import StopRule, stop_rule
+from .stop_rule import (
+    Rule,
+    begin_rule,
+    decide_rule,
+    end_of_round,
+    finish_rule,
+    new_rule_room,
+    stop_rule,
+)
 
 # Shadow rays that are made, traced and added up together: 400 kB, which stay in a core's cache.
 _BATCH_RAYS = 8192
@@ -125,7 +133,7 @@ def _add_rays(rays, n_rays, occluded, sums):
 
 
 @kernel
-def _select(wanted, taken, sums, active):
+def select_points(wanted, taken, sums, active):
     """Write the points that have ``taken`` samples and want more; returns how many."""
     n = 0
     for p in range(len(wanted)):
@@ -136,7 +144,7 @@ def _select(wanted, taken, sums, active):
 
 
 @kernel
-def _least_count(wanted, sums):
+def least_count(wanted, sums):
     """The fewest samples of a point that wants more; -1: none does."""
     least = -1
     for p in range(len(wanted)):
@@ -159,34 +167,38 @@ def continue_points(
     sampler: Sampler,
     sums: PixelSums,
     accel: Accel,
-    rule: StopRule,
+    rule: Rule,
     cancelled=lambda: False,
+    neighbours: Neighbours | None = None,
 ) -> int:
     """Add samples to points until each has as many as the rule wants: number of rays traced.
 
     sums: what the points have so far, samples 0, 1, 2 ... of each; added to. Ends early, with what
     it has, when ``cancelled`` says so; it may go on later.
+    neighbours: which points tell of each other (stop rule PERCEPTUAL); None: each is alone
     """
-    wanted, room = (np.empty(len(sums.count), np.int32) for _ in range(2))
-    rule.begin(sums, wanted)
+    n = len(sums.count)
+    neighbours, room = neighbours or no_neighbours(n), new_rule_room(n)
+    wanted, active = np.empty(n, np.int32), np.empty(n, np.int32)
+    begin_rule(rule, neighbours, sums, room, wanted)
     wanted[~sampler.lit()] = 0
-    rays, traced, taken = new_rays(_BATCH_RAYS), 0, _least_count(wanted, sums)
+    rays, traced, taken = new_rays(_BATCH_RAYS), 0, least_count(wanted, sums)
     while taken >= 0 and not cancelled():
-        active = room[: _select(wanted, taken, sums, room)].copy()
-        end = min(rule.round_end(taken), taken + _BATCH_RAYS)
-        counts = np.minimum(wanted[active], end) - np.int32(taken)
+        n_active = select_points(wanted, taken, sums, active)
+        end = min(end_of_round(rule, taken), taken + _BATCH_RAYS)
+        counts = np.minimum(wanted[active[:n_active]], end) - np.int32(taken)
         first = 0
-        while first < len(active) and not (first and cancelled()):
+        while first < n_active and not (first and cancelled()):
             last = _batch_end(counts, first)
-            some, own = active[first:last], counts[first:last]
+            some, own = active[first:last].copy(), counts[first:last]
             n_rays = sampler.sample(some, taken, own, rays)
             occluded = accel.occluded(rays.origins[:n_rays], rays.directions[:n_rays])
             _add_rays(rays, n_rays, occluded, sums)
             sums.count[some] += own
             traced, first = traced + n_rays, last
-        rule.decide(active[sums.count[active] == end], end, sums, wanted)
-        taken = _least_count(wanted, sums)
-    rule.finish(sums)
+        decide_rule(rule, neighbours, active, n_active, end, sums, room, wanted)
+        taken = least_count(wanted, sums)
+    finish_rule(rule, neighbours, sums, room)
     return traced
 
 
@@ -200,12 +212,10 @@ def sample_points(
 ) -> tuple[PixelSums, int]:
     """Run the loop for the points of one block: (sums, number of shadow rays traced).
 
-    neighbours: which points tell of each other (stop rule PERCEPTUAL); None: each is alone. Ends
-    early, with what it has, when ``cancelled`` says so.
+    neighbours: see continue_points. Ends early, with what it has, when ``cancelled`` says so.
     """
     sums = new_sums(n_points)
-    rule = stop_rule(settings, neighbours or no_neighbours(n_points))
-    traced = continue_points(sampler, sums, accel, rule, cancelled)
+    traced = continue_points(sampler, sums, accel, stop_rule(settings), cancelled, neighbours)
     known = sampler.unoccluded()
     if known is not None:
         sums.unoccluded[:] = known * np.maximum(sums.count, 1)[:, None]

@@ -32,7 +32,7 @@ def make_light(lookup: EnvironmentLookup, pyramid: LightPyramid) -> Light:
 
 
 @kernel(forceinline=True)
-def _is_lifted(at, points, light, p, wx, wy, wz, u):
+def is_lifted(at, points, light, p, wx, wy, wz, u):
     """Whether a sample's ray starts on the smooth patch, as Cycles' rays would.
 
     Cycles lifts the rays of its light samples and not those of its BSDF samples: of the light from
@@ -61,7 +61,7 @@ def write_ray(at, points, light, p, wi, radiance, pdf, u, offset, rays, n):
     dr, dg, db, gr, gg, gb = eval_at(at, wx, wy, wz)
     if dr + dg + db + gr + gg + gb <= _ZERO:
         return n
-    lifted = _is_lifted(at, points, light, p, wx, wy, wz, u)
+    lifted = is_lifted(at, points, light, p, wx, wy, wz, u)
     if not start_shadow_ray(points, p, wx, wy, wz, lifted, offset, rays.origins, n):
         return n
     inverse = _ONE / pdf

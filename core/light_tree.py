@@ -98,7 +98,7 @@ def _plant(tree, light):
 @kernel
 def _look_up_child(lookup, level, cell, parent, parent_square):
     """(mean, mean square) of a cell that is too small for the statistics."""
-    row, column = morton_to_row_column(cell, level)
+    row, column = morton_to_row_column(cell)
     size = np.float32(1.0 / (1 << level))
     x, y = np.float32(column) * size, np.float32(row) * size
     texels = footprint(lookup, x, y, size)

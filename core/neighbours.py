@@ -58,8 +58,11 @@ def _same_surface(material, normal, p, q):
 
 
 @kernel
-def _fill_neighbours(columns, rows, material, normal, slots, found):
-    """slots: int32 (CELL_PX + 2, CELL_PX + 2), scratch: the points of one cell and none around."""
+def fill_neighbours(columns, rows, material, normal, slots, found):
+    """find_neighbours into ``found``.
+
+    slots: int32 (CELL_PX + 2, CELL_PX + 2), scratch: the points of one cell and none around
+    """
     n, first = len(columns), 0
     while first < n:
         column, row, last = columns[first] // CELL_PX, rows[first] // CELL_PX, first
@@ -95,7 +98,7 @@ def find_neighbours(columns, rows, material, normal) -> Neighbours:
     found = Neighbours(np.empty((len(rows), 8), np.int32), np.empty(len(rows), np.int32))
     columns, rows, material = (np.asarray(a, np.int64) for a in (columns, rows, material))
     slots = np.empty((CELL_PX + 2, CELL_PX + 2), np.int32)
-    _fill_neighbours(columns, rows, material, normal, slots, found)
+    fill_neighbours(columns, rows, material, normal, slots, found)
     return found
 
 
@@ -111,7 +114,7 @@ def _sum_groups(sums, neighbours, totals, scatter):
     scatter: float64 (n,), sum over a point's seen samples of (f / their mean - 1)^2
     """
     totals[:] = 0.0
-    for p in range(len(scatter)):
+    for p in range(len(sums.count)):
         g, visible = neighbours.group[p], np.float64(sums.visible[p])
         scatter[p] = 0.0
         if visible > 1.0 and sums.seen[p] > 0.0:
@@ -124,9 +127,14 @@ def _sum_groups(sums, neighbours, totals, scatter):
 
 
 @kernel
-def _pool(points, sums, neighbours, floor, totals, scatter, spread):
+def pool_spread(points, n, sums, neighbours, floor, totals, scatter, spread):
+    """Write r of the first n of ``points``, int32, to spread, float32.
+
+    sums: incremental.PixelSums of all points; floor: a visibility; totals: float64 (points, 4),
+    scatter: float64 (points,), scratch
+    """
     _sum_groups(sums, neighbours, totals, scatter)
-    for i in range(len(points)):
+    for i in range(n):
         p = points[i]
         g = neighbours.group[p]
         own = np.float64(sums.visible[p])
@@ -155,5 +163,6 @@ def relative_spread(sums, neighbours: Neighbours, floor: float, points: np.ndarr
     """
     n = len(neighbours.group)
     spread = np.empty(len(points), np.float32)
-    _pool(points, sums, neighbours, floor, np.empty((n, 4)), np.empty(n), spread)
+    room = np.empty((n, 4)), np.empty(n)
+    pool_spread(points, len(points), sums, neighbours, floor, *room, spread)
     return spread

@@ -95,7 +95,7 @@ def _fill_base_cells(averages, cells):
         morton = 0
         for digit in range(BASE_LEVEL):  # the coarsest digit of the Morton code is r's lowest
             morton = 4 * morton + ((r >> (2 * digit)) & 3)
-        row, column = morton_to_row_column(morton, BASE_LEVEL)
+        row, column = morton_to_row_column(morton)
         dx, dy, dz = square_to_sphere((column + 0.5) / side, (row + 0.5) / side)
         cells.x[r], cells.y[r], cells.z[r] = dx, dy, dz
         cells.light[r] = averages[BASE_BEGIN + morton]
@@ -106,7 +106,7 @@ def _fill_base_cells(averages, cells):
 def _fill_directions(level, directions):
     side = 1 << level
     for k in range(side * side):
-        row, column = morton_to_row_column(k, level)
+        row, column = morton_to_row_column(k)
         dx, dy, dz = square_to_sphere((column + 0.5) / side, (row + 0.5) / side)
         directions.x[k], directions.y[k], directions.z[k] = dx, dy, dz
 

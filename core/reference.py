@@ -67,7 +67,7 @@ def sample_light(pyramid, x, y):
             y,
         )
         cell, node, level = 4 * cell + quadrant, below + quadrant, level + 1
-    row, column = morton_to_row_column(cell, level)
+    row, column = morton_to_row_column(cell)
     side = 1 << level
     dx, dy, dz = square_to_sphere((column + x) / side, (row + y) / side)
     light = np.float64(averages[node])

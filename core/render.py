@@ -22,7 +22,7 @@ from .sequence import common_points
 from .settings import RenderSettings
 from .stats import RenderStats
 from .tile_job import Job, Rect, TileCounts
-from .watch import POLL_SECONDS, Cancelled, watched
+from .watch import POLL_SECONDS, Cancelled, StopFlag, watched
 
 
 def render(
@@ -36,7 +36,7 @@ def render(
     x0, y0, x1, y1 = scene.camera.region
     stats = RenderStats(width=x1 - x0, height=y1 - y0, triangles=len(scene.mesh.triangles))
     cache = cache or RenderCache()
-    stop = threading.Event()
+    stop = StopFlag()
     threads = worker_count(settings)
     accel = light = tables = None
     with stats.phase("bvh"):
@@ -70,7 +70,7 @@ def prepare_tables(
     scene: Scene, settings: RenderSettings, sink: TileSink, cache: RenderCache | None = None
 ) -> RenderStats:
     """Build what a render in mode PAPER would, and leave it in the cache folder: for a farm job."""
-    stats, stop = RenderStats(triangles=len(scene.mesh.triangles)), threading.Event()
+    stats, stop = RenderStats(triangles=len(scene.mesh.triangles)), StopFlag()
     paper = dataclasses.replace(settings, estimator="PAPER")
     with stats.phase("tables"):
         _prepare_light(scene, paper, sink, cache or RenderCache(), stop, stats)

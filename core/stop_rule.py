@@ -14,12 +14,12 @@ would hardly see. docs/decisions/0011-perceptual-rule.md has the figures.
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from ._jit import kernel
-from .neighbours import Neighbours, relative_spread
+from .neighbours import pool_spread
 from .settings import RenderSettings
 
 # Squared error of Sobol's or Halton's points over that of independent samples, at E = .1.
@@ -120,107 +120,147 @@ def relative_error(count, seen, seen_squared):
     return np.sqrt(max(seen_squared - seen * seen / count, 0.0)) / seen
 
 
-@kernel
-def _want_more(active, threshold, most, sums, wanted):
-    for p in active:
-        error = relative_error(sums.count[p], sums.seen[p], sums.seen_squared[p])
-        sums.error[p] = error
-        wanted[p] = most if error > threshold else sums.count[p]
+class Rule(NamedTuple):
+    """A stop rule as kernels take it.
 
-
-class StopRule(Protocol):
-    """What sample_points asks between the rounds of a block of points.
-
-    wanted: int32 (n,), how many samples each point is to have; written
+    kind: PAPER_RULE, PERCEPTUAL_RULE or PLAN
+    threshold: PAPER_RULE: E; -1 = never done before ``most`` (FIXED); batch: points a round
+    typical: PERCEPTUAL_RULE: T; most: samples of a point at the most
+    plan: int32, PLAN: how many each point gets; else empty
     """
 
-    def begin(self, sums, wanted: np.ndarray) -> None:
-        """Set ``wanted`` for points that have the samples in ``sums``, or none."""
-
-    def round_end(self, taken: int) -> int:
-        """Where the round that begins at ``taken`` samples ends: decide() is asked there."""
-
-    def decide(self, active: np.ndarray, taken: int, sums, wanted: np.ndarray) -> None:
-        """Set ``wanted`` of the active points, int32, which have ``taken`` samples now."""
-
-    def finish(self, sums) -> None:
-        """Write the error of every point that was sampled."""
+    kind: int
+    threshold: float
+    batch: int
+    typical: float
+    most: int
+    plan: np.ndarray
 
 
-class PaperRule:
+PAPER_RULE, PERCEPTUAL_RULE, PLAN = 0, 1, 2
+_NO_PLAN = np.zeros(0, np.int32)
+
+
+class RuleRoom(NamedTuple):
+    """Scratch of the rules for a block of n points.
+
+    totals: float64 (n, 4); scatter: float64 (n,); spread: float32 (n,), r; points: int32 (n,)
+    """
+
+    totals: np.ndarray
+    scatter: np.ndarray
+    spread: np.ndarray
+    points: np.ndarray
+
+
+def new_rule_room(n: int) -> RuleRoom:
+    """Scratch for blocks of up to n points."""
+    return RuleRoom(np.empty((n, 4)), np.empty(n), np.empty(n, np.float32), np.empty(n, np.int32))
+
+
+@kernel
+def _plan_points(rule, neighbours, sums, room, n, wanted):
+    """Set ``wanted`` of the n points in room.points by their spread."""
+    points, spread = room.points, room.spread
+    floor = _FLOOR / rule.typical
+    pool_spread(points, n, sums, neighbours, floor, room.totals, room.scatter, spread)
+    for i in range(n):
+        exact = rule.typical * np.float64(spread[i]) ** _EXPONENT
+        wanted[points[i]] = _end_at(exact, np.int64(sums.count[points[i]]), rule.most)
+
+
+@kernel
+def begin_rule(rule, neighbours, sums, room, wanted):
+    """Write how many samples each point is to have; they have those in ``sums``, or none."""
+    n = 0
+    for p in range(len(wanted)):
+        if rule.kind == PLAN:
+            wanted[p] = min(rule.plan[p], rule.most)
+        elif rule.kind == PAPER_RULE:
+            wanted[p] = rule.most if sums.error[p] > rule.threshold else sums.count[p]
+        else:
+            wanted[p] = min(FIRST_COUNT, rule.most)
+            if sums.count[p] > 0:
+                room.points[n] = p
+                n += 1
+    if n > 0:
+        _plan_points(rule, neighbours, sums, room, n, wanted)
+
+
+@kernel(forceinline=True)
+def end_of_round(rule, taken):
+    """Where the round that begins at ``taken`` samples ends: decide_rule is asked there."""
+    if rule.kind == PLAN:
+        return rule.most
+    if rule.kind == PAPER_RULE:
+        return min(taken + rule.batch, rule.most)
+    power = FIRST_COUNT
+    while power <= taken:
+        power *= 2
+    return min(power, rule.most)
+
+
+@kernel
+def decide_rule(rule, neighbours, active, n, taken, sums, room, wanted):
+    """Set ``wanted`` of those of the n active points, int32, that have ``taken`` samples now."""
+    if rule.kind == PLAN:
+        return
+    m = 0
+    for a in range(n):
+        p = active[a]
+        if sums.count[p] != taken:
+            continue
+        room.points[m] = p
+        m += 1
+        if rule.kind == PAPER_RULE:
+            error = relative_error(sums.count[p], sums.seen[p], sums.seen_squared[p])
+            sums.error[p] = error
+            wanted[p] = rule.most if error > rule.threshold else sums.count[p]
+    if rule.kind == PERCEPTUAL_RULE and m > 0:
+        _plan_points(rule, neighbours, sums, room, m, wanted)
+
+
+@kernel
+def finish_rule(rule, neighbours, sums, room):
+    """Write the error of every point that was sampled.
+
+    PERCEPTUAL, or a plan: sqrt(.45 / N) r, which is E where r is 1 and N as wanted.
+    """
+    if rule.kind == PAPER_RULE:
+        return  # decide_rule has written them
+    n = 0
+    for p in range(len(sums.count)):
+        if sums.count[p] > 0:
+            room.points[n] = p
+            n += 1
+    floor, spread = _FLOOR / rule.typical, room.spread
+    pool_spread(room.points, n, sums, neighbours, floor, room.totals, room.scatter, spread)
+    for i in range(n):
+        p = room.points[i]
+        sums.error[p] = np.sqrt(_CONVERGENCE / np.float64(sums.count[p])) * np.float64(spread[i])
+
+
+def paper_rule(threshold: float, batch_size: int, most: int) -> Rule:
     """PAPER: until e_d <= threshold; with -1, FIXED."""
-
-    def __init__(self, threshold: float, batch_size: int, most: int):
-        self._threshold, self._batch_size, self._most = threshold, batch_size, most
-
-    def begin(self, sums, wanted: np.ndarray) -> None:
-        """See StopRule."""
-        wanted[:] = np.where(sums.error > self._threshold, self._most, sums.count)
-
-    def round_end(self, taken: int) -> int:
-        """See StopRule."""
-        return min(taken + self._batch_size, self._most)
-
-    def decide(self, active: np.ndarray, taken: int, sums, wanted: np.ndarray) -> None:
-        """See StopRule."""
-        _want_more(active, self._threshold, self._most, sums, wanted)
-
-    def finish(self, sums) -> None:
-        """See StopRule: decide() has written them."""
+    return Rule(PAPER_RULE, float(threshold), int(batch_size), 1.0, int(most), _NO_PLAN)
 
 
-class PerceptualRule:
+def perceptual_rule(typical: float, most: int, plan: np.ndarray | None = None) -> Rule:
     """PERCEPTUAL: N = typical r^.75, decided anew when the samples have doubled.
 
     plan: int32 (n,), counts to take in place of that, without decisions: for a budget
     """
-
-    def __init__(
-        self, typical: float, most: int, neighbours: Neighbours, plan: np.ndarray | None = None
-    ):
-        self._typical, self._most, self._neighbours = typical, most, neighbours
-        self._plan = plan
-
-    def begin(self, sums, wanted: np.ndarray) -> None:
-        """See StopRule."""
-        wanted[:] = min(FIRST_COUNT, self._most)
-        if self._plan is not None:
-            wanted[:] = np.minimum(self._plan, self._most)
-        elif sums.count.any():
-            self._set(np.flatnonzero(sums.count).astype(np.int32), sums, wanted)
-
-    def round_end(self, taken: int) -> int:
-        """See StopRule: the next power of two."""
-        if self._plan is not None:
-            return self._most
-        return min(max(1 << int(taken).bit_length(), FIRST_COUNT), self._most)
-
-    def decide(self, active: np.ndarray, taken: int, sums, wanted: np.ndarray) -> None:
-        """See StopRule."""
-        if self._plan is None and len(active):
-            self._set(active, sums, wanted)
-
-    def finish(self, sums) -> None:
-        """See StopRule: sqrt(.45 / N) r, which is E where r is 1 and N as wanted."""
-        sampled = np.flatnonzero(sums.count).astype(np.int32)
-        scale = np.sqrt(_CONVERGENCE / sums.count[sampled])
-        sums.error[sampled] = scale * self.spread(sampled, sums)
-
-    def spread(self, points: np.ndarray, sums) -> np.ndarray:
-        """r of some points, float32; points: int32."""
-        return relative_spread(sums, self._neighbours, _FLOOR / self._typical, points)
-
-    def _set(self, points, sums, wanted):
-        spread = self.spread(points, sums)
-        wanted[points] = plan_counts(spread, sums.count[points], self._typical, self._most)
+    kind = PERCEPTUAL_RULE if plan is None else PLAN
+    plan = _NO_PLAN if plan is None else np.ascontiguousarray(plan, np.int32)
+    return Rule(kind, 0.0, 1, float(typical), int(most), plan)
 
 
-def stop_rule(settings: RenderSettings, neighbours: Neighbours) -> StopRule:
+def stop_rule(settings: RenderSettings) -> Rule:
     """The rule that the settings name."""
     threshold, most = settings.error_threshold, settings.max_samples
     # e_d is 0 where all samples were seen: E = 0 must not stop there.
     if settings.stop_rule == "FIXED" or threshold == 0.0:
-        return PaperRule(-1.0, most, most)
+        return paper_rule(-1.0, most, most)
     if settings.stop_rule == "PAPER":
-        return PaperRule(threshold, settings.batch_size, most)
-    return PerceptualRule(typical_count(threshold), most, neighbours)
+        return paper_rule(threshold, settings.batch_size, most)
+    return perceptual_rule(typical_count(threshold), most)

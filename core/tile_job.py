@@ -7,28 +7,30 @@ it keeps sums; rays, points and products are made anew.
 from __future__ import annotations
 
 import dataclasses
-import threading
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from .accel import Accel
+from .block_loop import BLOCK_POINTS, Places, continue_blocks, new_room
 from .camera import planar_depth
 from .film import Tile
-from .incremental import PixelSums, Sampler, continue_points
+from .incremental import PixelSums, continue_points
 from .light_rays import Light
-from .lobes import Lobes, setup_lobes
+from .lobes import DIFFUSE_LOBE, Lobes, setup_lobes
+from .neighbours import find_neighbours
 from .paper import PaperSampler
 from .paper_tables import PaperTables
 from .scene import Scene
 from .sequence import pixel_sequence
 from .settings import RenderSettings
 from .shading import ShadingPoints, params_at, shading_points
+from .stop_rule import PAPER_RULE, Rule
 from .unbiased import UnbiasedSampler
+from .watch import StopFlag
 
-# Points that are sampled together: their products (13 kB each where a lobe is glossy) stay in a
-# core's cache from round to round, and a batch is still long enough for Embree.
-BLOCK_POINTS = 256
+# Points that are sampled together where rays are written: a batch is long enough for Embree.
+_RAY_POINTS = 256
 
 
 @dataclasses.dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +43,7 @@ class Job:
     light: Light
     tables: PaperTables | None
     sequence: np.ndarray
-    stop: threading.Event
+    stop: StopFlag
 
 
 class Rect(NamedTuple):
@@ -117,37 +119,92 @@ def with_lobes(scene: Scene, points: ShadingPoints) -> SeenPoints:
     return SeenPoints(points, lobes, rows)
 
 
-def plain_blocks(n: int) -> list[slice]:
-    """Points that are sampled together, where no stop rule asks for neighbours."""
-    return [slice(start, start + BLOCK_POINTS) for start in range(0, n, BLOCK_POINTS)]
+def cell_bounds(points: ShadingPoints, ends: np.ndarray) -> np.ndarray:
+    """int32: where the points of each cell begin, and their number, from where its rays begin.
+
+    ends: int, of neighbours.cell_order for all rays; points.pixel: rows of the rays, ascending
+    """
+    return np.searchsorted(points.pixel, ends).astype(np.int32)
+
+
+def plain_bounds(n: int) -> np.ndarray:
+    """The same for n points of which none asks for neighbours."""
+    return np.append(np.arange(0, n, BLOCK_POINTS, np.int32), np.int32(n))
 
 
 def add_samples(
-    job: Job, seen: SeenPoints, rect: Rect, sums: PixelSums, blocks, rule_of, first: int = 0
+    job: Job,
+    seen: SeenPoints,
+    rect: Rect,
+    sums: PixelSums,
+    bounds: np.ndarray,
+    rule: Rule,
+    first: int = 0,
 ) -> int:
-    """Take the points on, a block after another, as their stop rules say: shadow rays traced.
+    """Take the points on, a block after another, as the stop rule says: shadow rays traced.
 
-    rect: the tile whose pixels ``points.pixel`` counts; sums: of the points, added to; blocks:
-    slices of them; rule_of: StopRule of a block; first: samples before those that sums count
+    rect: the tile whose pixels ``points.pixel`` counts; sums: of the points, added to; bounds:
+    int32, where blocks begin, whole cells for rule PERCEPTUAL; first: samples before those of sums
     """
+    if not len(seen.rows):
+        return 0
+    places = Places(*frame_places(rect, seen.points.pixel), seen.rows)
+    sequence = pixel_sequence(
+        job.sequence, seen.points.pixel, rect[:3], job.settings.seed, job.settings.point_set
+    )
+    sums.count[:] += first
+    by_rays = job.settings.estimator == "PAPER" or job.accel.by_rays
+    work = _add_by_rays if by_rays else _add_by_products
+    traced = work(job, seen, places, sequence, sums, bounds, rule)
+    sums.count[:] -= first
+    return traced
+
+
+def frame_places(rect: Rect, pixel: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Column and row in the frame, int32, of pixels of a tile."""
+    rows, columns = np.divmod(pixel, np.int32(rect.width))
+    return columns + np.int32(rect.x), rows + np.int32(rect.y)
+
+
+def _add_by_products(job, seen, places, sequence, sums, bounds, rule) -> int:
+    points, lobes, _ = seen
+    room = new_room(bool((lobes.kind > DIFFUSE_LOBE).any()))
+    offset, traversal = np.float32(job.accel.offset), job.accel.traversal
+    stop = job.stop.memory
+    own = points, lobes, job.light, sequence, offset, traversal, rule, sums, room, stop
+    return continue_blocks(bounds, places, *own)
+
+
+def _add_by_rays(job, seen, places, sequence, sums, bounds, rule) -> int:
+    """By a sampler that writes its rays: mode PAPER's, or where the Accel wants to see them."""
     traced = 0
-    for block in blocks:
+    for block in _long_blocks(bounds):
         own, part = seen.at(block), PixelSums(*(column[block] for column in sums))
-        sampler = _make_sampler(job, own, rect)
-        part.count[:] += first
-        traced += continue_points(sampler, part, job.accel, rule_of(block), job.stop.is_set)
-        part.count[:] -= first
+        sampler = _sampler(job, own, sequence._replace(x=sequence.x[block], y=sequence.y[block]))
+        near = None
+        if rule.kind != PAPER_RULE:
+            where = places.column[block], places.row[block]
+            near = find_neighbours(*where, own.rows, own.points.normal)
+        rounds = rule._replace(plan=rule.plan[block])
+        traced += continue_points(sampler, part, job.accel, rounds, job.stop.is_set, near)
         known = sampler.unoccluded()
         if known is not None:
             part.unoccluded[:] = known * np.maximum(part.count, 1)[:, None]
     return traced
 
 
-def _make_sampler(job: Job, seen: SeenPoints, rect: Rect) -> Sampler:
+def _sampler(job, seen, sequence):
     points, lobes, rows = seen
-    settings, offset = job.settings, job.accel.offset
-    kind = settings.point_set
-    sequence = pixel_sequence(job.sequence, points.pixel, rect[:3], settings.seed, kind)
-    if settings.estimator == "PAPER":
-        return PaperSampler(points, lobes, rows, job.tables, sequence, offset)
-    return UnbiasedSampler(points, lobes, job.light, sequence, offset)
+    if job.settings.estimator == "PAPER":
+        return PaperSampler(points, lobes, rows, job.tables, sequence, job.accel.offset)
+    return UnbiasedSampler(points, lobes, job.light, sequence, job.accel.offset)
+
+
+def _long_blocks(bounds: np.ndarray) -> list[slice]:
+    """Slices of whole blocks with about _RAY_POINTS points."""
+    runs, first = [], 0
+    for k in range(1, len(bounds)):
+        if k + 1 == len(bounds) or bounds[k + 1] - first > _RAY_POINTS:
+            runs.append(slice(first, int(bounds[k])))
+            first = int(bounds[k])
+    return runs

@@ -12,31 +12,33 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
-from .brdf import lobes_at, pdf_narrowest_at, sample_narrowest_at
-from .environment import eval_map
-from .incremental import RayBatch
-from .light_rays import Light, write_ray
-from .lobes import DIFFUSE_LOBE, Lobes
-from .product import Products, new_products, pdf_product
-from .product_build import build_product, new_block_scratch
-from .sequence import PixelSequence, sample_number, scramble
-from .shading import ShadingPoints
-from .sphere_map import sphere_to_square
-from .warp import (
+from .brdf import lobes_at, sample_narrowest_at
+from .embree_rays import NOTHING
+from .incremental import RayBatch, new_sums
+from .lanes import (
+    DIFFUSE,
     DX,
     DY,
     DZ,
+    GLOSSY,
     LANES,
+    OX,
     PDF,
     Lanes,
-    U,
-    V,
     X,
     Y,
-    fill_map_coordinates,
     new_lanes,
-    warp_lanes,
 )
+from .light_rays import Light
+from .lobes import DIFFUSE_LOBE, Lobes
+from .product import Products, new_products, pdf_product
+from .product_build import BlockScratch, build_product, new_block_scratch
+from .sequence import PixelSequence, scramble
+from .shading import ShadingPoints
+from .sphere_map import sphere_to_square
+from .trace_lanes import add_lanes, trace_lanes
+from .warp import fill_map_coordinates, warp_lanes
+from .weigh import fill_radiance, weigh_run
 
 # At least, and at most, of the samples follow the narrowest lobe (of a mirror, of a coat): how much
 # light that brings, the product mistakes by up to 100 if the mirrored wo meets the rim of a sun.
@@ -44,10 +46,10 @@ _DEFENSIVE, _MIRROR, _COAT = 0.02, 0.9, 0.8
 _ZERO, _ONE, _BELOW_ONE = np.float32(0.0), np.float32(1.0), np.float32(1.0 - 2.0**-24)
 
 
-class _Task(NamedTuple):
-    """What the samples of a tile's points are made from.
+class Task(NamedTuple):
+    """What the samples of some shading points are made from.
 
-    offset: float32, metres
+    products: of these points; offset: float32, metres that a shadow ray starts off its surface
     """
 
     points: ShadingPoints
@@ -58,11 +60,12 @@ class _Task(NamedTuple):
     offset: np.float32
 
 
-class _Work(NamedTuple):
+class Work(NamedTuple):
     """What the samples of a round pass through: the lanes, and those of them that follow the BSDF.
 
     bits: uint32 (4 LANES,), rows of points and of their scrambles; share: float32 (LANES,), beta
     follows: int32 (LANES,), lanes; x, y: float32 (LANES,), their points
+    scratch: where products are worked out
     """
 
     lanes: Lanes
@@ -71,16 +74,19 @@ class _Work(NamedTuple):
     follows: np.ndarray
     x: np.ndarray
     y: np.ndarray
+    scratch: BlockScratch
 
 
-def _new_work() -> _Work:
-    return _Work(
+def new_work() -> Work:
+    """One a thread."""
+    return Work(
         new_lanes(),
         np.zeros(4 * LANES, np.uint32),
         np.zeros(LANES, np.float32),
         np.zeros(LANES, np.int32),
         np.zeros(LANES, np.float32),
         np.zeros(LANES, np.float32),
+        new_block_scratch(),
     )
 
 
@@ -95,9 +101,10 @@ def bsdf_share(follow, kind):
 
 
 @kernel
-def _build_products(lobes, light, products, scratch):
+def build_products(lobes, light, products, scratch):
+    """Fill the products of all points of lobes."""
     averages, levels = light.pyramid.averages, light.pyramid.levels
-    for p in range(len(products.blocks)):
+    for p in range(len(lobes.kind)):
         build_product(lobes, p, light.cells, averages, levels, products, scratch)
 
 
@@ -155,51 +162,82 @@ def _follow_lobes(task, work, n_follows):
 
 
 @kernel
-def _write_lanes(task, cut, work, n, rays, m):
-    """Warp lanes 0 ... n - 1 and write those that carry light as rays from m on; the next m."""
+def _finish_lanes(task, cut, work, n):
+    """From numbers in lanes 0 ... n - 1 to directions and what these would bring."""
     light, lanes, numbers = task.light, work.lanes, work.lanes.numbers
     _place_points(work.bits, task.sequence.scrambled, numbers, n)
     n_follows = _part_lanes(work, n)
     warp_lanes(task.products, cut, light.cells.morton, light.pyramid, light.leaves, lanes, n)
     _follow_lobes(task, work, n_follows)
     fill_map_coordinates(light.lookup, lanes, n)
+    fill_radiance(light.lookup, lanes, n)
     s = 0
     while s < n:
-        p = lanes.point[s]
-        at = lobes_at(task.lobes, p)
-        share = work.share[s]
-        while s < n and lanes.point[s] == p:
-            wi = numbers[DX + s], numbers[DY + s], numbers[DZ + s]
-            pdf = share * pdf_narrowest_at(at, *wi) + (_ONE - share) * numbers[PDF + s]
-            radiance = eval_map(light.lookup, numbers[U + s], numbers[V + s])
-            u = sample_number(task.sequence, p, lanes.sample[s])
-            m = write_ray(at, task.points, light, p, wi, radiance, pdf, u, task.offset, rays, m)
-            s += 1
+        p, end = lanes.point[s], s + 1
+        while end < n and lanes.point[end] == p:
+            end += 1
+        weigh_run(task, work.share[s], p, lanes, s, end)
+        s = end
+
+
+@kernel
+def _write_rays(lanes, n, rays, m):
+    """Write the lanes that carry light as rays from m on; the next m."""
+    numbers = lanes.numbers
+    for s in range(n):
+        carried = _ZERO
+        for a in range(3):
+            rays.origins[m, a] = numbers[OX + LANES * a + s]
+            rays.directions[m, a] = numbers[DX + LANES * a + s]
+            rays.diffuse[m, a] = numbers[DIFFUSE + LANES * a + s]
+            rays.glossy[m, a] = numbers[GLOSSY + LANES * a + s]
+            carried += rays.diffuse[m, a] + rays.glossy[m, a]
+        rays.point[m] = lanes.point[s]
+        m += carried > _ZERO
+    return m
+
+
+@kernel(forceinline=True)
+def _use_lanes(task, cut, work, n, traversal, sums, rays, m):
+    """Trace lanes 0 ... n - 1 and add them to the sums; or write them as rays, if these are wanted.
+
+    Returns m and the number of rays.
+    """
+    if n == 0:
+        return m
+    _finish_lanes(task, cut, work, n)
+    if len(rays.point) > 0:
+        return _write_rays(work.lanes, n, rays, m)
+    m += trace_lanes(traversal, work.lanes, n)
+    add_lanes(work.lanes, n, sums)
     return m
 
 
 @kernel
-def _sample_round(task, work, active, first, counts, rays):
-    """Fill rays with the next samples of the active points; returns how many carry light.
+def take_samples(task, work, active, n_active, first, counts, traversal, sums, rays):
+    """Samples first ... first + counts[a] - 1 of each active point; how many have a ray.
 
+    active, counts: int32 (>= n_active,); sums: PixelSums, added to, but for their count.
+    rays: RayBatch; where it has room, the rays are written there instead, and nothing is traced.
     Lanes are filled over the borders of points, but not by points with and without blocks.
     """
     m, n, cut = 0, 0, False
-    for a in range(len(active)):
+    for a in range(n_active):
         p, k, last = active[a], first, first + counts[a]
         while k < last:
             if n == LANES or (task.products.blocks[p] > 0) != cut:
-                m = _write_lanes(task, cut, work, n, rays, m)
+                m = _use_lanes(task, cut, work, n, traversal, sums, rays, m)
                 n, cut = 0, task.products.blocks[p] > 0
             take = min(last - k, LANES - n)
             _fill_lanes(task, p, k, k + take, work, n)
             n, k = n + take, k + take
-    return _write_lanes(task, cut, work, n, rays, m)
+    return _use_lanes(task, cut, work, n, traversal, sums, rays, m)
 
 
 class UnbiasedSampler:
-    """Product sampling of the points of one tile (incremental.Sampler).
+    """Product sampling of some points as rays (incremental.Sampler): for comparisons and tests.
 
+    A render takes block_loop.continue_blocks, which makes the same samples and traces them at once.
     offset: metres that a shadow ray starts off its surface
     """
 
@@ -212,10 +250,9 @@ class UnbiasedSampler:
         offset: float,
     ):
         glossy = bool((lobes.kind > DIFFUSE_LOBE).any())
-        products = new_products(len(points.pixel), glossy)
-        _build_products(lobes, light, products, new_block_scratch())
-        self._task = _Task(points, lobes, light, products, sequence, np.float32(offset))
-        self._work = _new_work()
+        products, self._work = new_products(len(points.pixel), glossy), new_work()
+        build_products(lobes, light, products, self._work.scratch)
+        self._task = Task(points, lobes, light, products, sequence, np.float32(offset))
 
     def lit(self) -> np.ndarray:
         """See incremental.Sampler."""
@@ -226,4 +263,6 @@ class UnbiasedSampler:
 
     def sample(self, active: np.ndarray, first: int, counts: np.ndarray, rays: RayBatch) -> int:
         """See incremental.Sampler."""
-        return _sample_round(self._task, self._work, active, first, counts, rays)
+        nothing = new_sums(0)
+        work, n = self._work, len(active)
+        return take_samples(self._task, work, active, n, first, counts, NOTHING, nothing, rays)

@@ -2,19 +2,18 @@
 
 Points of several pixels stand in lanes: a step of the descent is a gather of each lane's four
 children, then the same arithmetic in all lanes, which compiles to vector instructions (1 ns a step
-and lane, where a point alone takes 8). So that it does, all numbers of the lanes are rows of one
-array at distances known to the compiler, in float32 and without branches.
+and lane, where a point alone takes 8).
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from ._jit import kernel
 from .environment import map_coordinates
+from .lanes import DX, DY, DZ, PDF, A, B, C, D, U, V, X, Y
 from .light_leaves import choose_leaf
 from .product import (
     BASE_BEGIN,
@@ -28,51 +27,10 @@ from .product import (
 )
 from .pyramid import level_offset, morton_to_row_column
 
-LANES = 256
-# Where the rows of Lanes.numbers begin: the children's weights, what is left of the point, the
-# direction, its density, its place in the environment's map.
-_A, _B, _C, _D = 0, LANES, 2 * LANES, 3 * LANES
-X, Y = 4 * LANES, 5 * LANES
-DX, DY, DZ, PDF = 6 * LANES, 7 * LANES, 8 * LANES, 9 * LANES
-U, V = 10 * LANES, 11 * LANES
-_ROWS = 12
-
 _ZERO, _HALF, _ONE, _TWO = np.float32(0.0), np.float32(0.5), np.float32(1.0), np.float32(2.0)
 _BELOW_ONE = np.float32(1.0 - 2.0**-24)
 _QUARTER_PI, _SQRT_HALF = np.float32(0.25 * math.pi), np.float32(math.sqrt(0.5))
 _TINY = np.float32(1e-30)
-
-
-class Lanes(NamedTuple):
-    """Room for LANES points on their way down.
-
-    numbers: float32 (rows * LANES,): X, Y, DX ... are where a row begins
-    cell, quadrant: int32 (LANES,), where a lane is, and where it goes
-    block: int32 (LANES,), 1 + the block of its product that it is in, 0 = none
-    tree: int64 (LANES,), where the lane's product begins in the array of all products
-    point, sample: int32 (LANES,), the caller's: shading point and index of its sample
-    """
-
-    numbers: np.ndarray
-    cell: np.ndarray
-    quadrant: np.ndarray
-    block: np.ndarray
-    tree: np.ndarray
-    point: np.ndarray
-    sample: np.ndarray
-
-
-def new_lanes() -> Lanes:
-    """Lanes with nothing in them."""
-    return Lanes(
-        np.zeros(_ROWS * LANES, np.float32),
-        np.zeros(LANES, np.int32),
-        np.zeros(LANES, np.int32),
-        np.zeros(LANES, np.int32),
-        np.zeros(LANES, np.int64),
-        np.zeros(LANES, np.int32),
-        np.zeros(LANES, np.int32),
-    )
 
 
 @kernel
@@ -82,7 +40,7 @@ def _choose_children(numbers, quadrant, n):
     A side without weight is never taken, whatever x and y were rounded to.
     """
     for s in range(n):
-        a, b, c, d = numbers[_A + s], numbers[_B + s], numbers[_C + s], numbers[_D + s]
+        a, b, c, d = numbers[A + s], numbers[B + s], numbers[C + s], numbers[D + s]
         top, bottom = a + b, c + d
         y = numbers[Y + s] * (top + bottom)
         low = (y >= top) & (bottom > _ZERO)
@@ -113,8 +71,8 @@ def _descend_bases(trees, morton, lanes, n):
         begin = level_offset(step + 1)
         for s in range(n):
             child = tree[s] + (begin + cell[s])
-            numbers[_A + s], numbers[_B + s] = trees[child], trees[child + m]
-            numbers[_C + s], numbers[_D + s] = trees[child + 2 * m], trees[child + 3 * m]
+            numbers[A + s], numbers[B + s] = trees[child], trees[child + m]
+            numbers[C + s], numbers[D + s] = trees[child + 2 * m], trees[child + 3 * m]
         _choose_children(numbers, lanes.quadrant, n)
         for s in range(n):
             cell[s] += lanes.quadrant[s] * m
@@ -137,14 +95,14 @@ def _step_to(level, begin, trees, light, lanes, n):
         block = lanes.block[s]
         if block > 0:
             child = lanes.tree[s] + (begin + stride * (block - 1) + 4 * (cell[s] & inside))
-            numbers[_A + s], numbers[_B + s] = trees[child], trees[child + 1]
-            numbers[_C + s], numbers[_D + s] = trees[child + 2], trees[child + 3]
+            numbers[A + s], numbers[B + s] = trees[child], trees[child + 1]
+            numbers[C + s], numbers[D + s] = trees[child + 2], trees[child + 3]
         elif level <= light.levels:
             child = first + 4 * np.int64(cell[s])
-            numbers[_A + s], numbers[_B + s] = averages[child], averages[child + 1]
-            numbers[_C + s], numbers[_D + s] = averages[child + 2], averages[child + 3]
+            numbers[A + s], numbers[B + s] = averages[child], averages[child + 1]
+            numbers[C + s], numbers[D + s] = averages[child + 2], averages[child + 3]
         else:
-            numbers[_A + s] = numbers[_B + s] = numbers[_C + s] = numbers[_D + s] = _ONE
+            numbers[A + s] = numbers[B + s] = numbers[C + s] = numbers[D + s] = _ONE
     _choose_children(numbers, lanes.quadrant, n)
     for s in range(n):
         cell[s] = 4 * cell[s] + lanes.quadrant[s]
@@ -185,8 +143,8 @@ def _descend_light(averages, level, levels, lanes, n):
         begin = level_offset(step + 1)
         for s in range(n):
             child = begin + 4 * np.int64(cell[s])
-            numbers[_A + s], numbers[_B + s] = averages[child], averages[child + 1]
-            numbers[_C + s], numbers[_D + s] = averages[child + 2], averages[child + 3]
+            numbers[A + s], numbers[B + s] = averages[child], averages[child + 1]
+            numbers[C + s], numbers[D + s] = averages[child + 2], averages[child + 3]
         _choose_children(numbers, lanes.quadrant, n)
         for s in range(n):
             cell[s] = 4 * cell[s] + lanes.quadrant[s]
@@ -201,7 +159,7 @@ def _choose_leaves(light, leaves, lanes, n):
         cell = cells[s]
         average = light.averages[begin + np.int64(cell)]
         x, y, average = choose_leaf(leaves, average, cell, numbers[X + s], numbers[Y + s])
-        row, column = morton_to_row_column(cell, levels)
+        row, column = morton_to_row_column(cell)
         numbers[X + s] = (np.float32(column) + x) * inverse
         numbers[Y + s] = (np.float32(row) + y) * inverse
         numbers[PDF + s] *= average

@@ -5,10 +5,27 @@ from __future__ import annotations
 import queue
 import threading
 
+import numpy as np
+
 from .film import Progress
 
 # How long the caller's thread waits before it asks the sink again: a cancel is seen this soon.
 POLL_SECONDS = 0.05
+
+
+class StopFlag:
+    """A threading.Event that machine code can read: raised by any thread, never taken back."""
+
+    def __init__(self):
+        self.memory = np.zeros(1, np.uint8)
+
+    def set(self) -> None:
+        """Ask everybody to stop."""
+        self.memory[0] = 1
+
+    def is_set(self) -> bool:
+        """Whether somebody has."""
+        return bool(self.memory[0])
 
 
 class Cancelled(Exception):

@@ -187,7 +187,7 @@ def test_prepare_tables_can_be_cancelled(tmp_path):
 def test_a_workers_error_is_raised_in_the_caller(threads, monkeypatch):
     """The very exception; all workers have ended by then."""
     error = MemoryError("tile 5")
-    real, calls = tile_module.camera_rays, []
+    real, calls = tile_module.trace_points, []
 
     def failing(*arguments):
         calls.append(arguments)
@@ -195,7 +195,7 @@ def test_a_workers_error_is_raised_in_the_caller(threads, monkeypatch):
             raise error
         return real(*arguments)
 
-    monkeypatch.setattr(tile_module, "camera_rays", failing)
+    monkeypatch.setattr(tile_module, "trace_points", failing)
     with pytest.raises(MemoryError) as caught:
         make_picture(varied_scene(), max_samples=8, tile_px=8, threads=threads)
     assert caught.value is error

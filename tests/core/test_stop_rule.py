@@ -7,9 +7,9 @@ from iwis.core.incremental import continue_points, new_sums, sample_points
 from iwis.core.neighbours import cell_order, find_neighbours, no_neighbours
 from iwis.core.settings import RenderSettings
 from iwis.core.stop_rule import (
-    PerceptualRule,
     mean_in_time,
     next_count,
+    perceptual_rule,
     plan_counts,
     typical_count,
     typical_for_mean,
@@ -119,7 +119,7 @@ def test_error_is_nearly_the_least_there_is(rng):
     least = np.full(len(spread), 8, np.int32)
     plan = plan_counts(spread, least, typical_for_mean(spread, least, mean, 512), 512)
     known = new_sums(len(spread))
-    continue_points(picture, known, picture, PerceptualRule(1.0, 512, neighbours, plan))
+    continue_points(picture, known, picture, perceptual_rule(1.0, 512, plan))
     assert error(perceptual) < 0.85 * error(fixed)
     assert paper.count.mean() > 1.3 * mean and error(perceptual) < error(paper)
     assert error(perceptual) < 1.03 * error(known)
@@ -209,8 +209,8 @@ def test_a_plan_is_kept_and_goes_on(rng):
         sums.append(new_sums(n))
         rays = 0
         for plan in plans:
-            rule = PerceptualRule(50.0, 128, neighbours, plan)
-            rays += continue_points(picture, sums[-1], picture, rule)
+            rule = perceptual_rule(50.0, 128, plan)
+            rays += continue_points(picture, sums[-1], picture, rule, neighbours=neighbours)
         traced.append(rays)
     np.testing.assert_array_equal(sums[0].count, second)
     assert traced == [second.sum()] * 2
@@ -224,8 +224,8 @@ def test_rules_can_follow_each_other(rng):
     sums = new_sums(len(picture.truth))
     traced = 0
     for threshold in (0.2, 0.1):
-        rule = PerceptualRule(typical_count(threshold), 512, neighbours)
-        traced += continue_points(picture, sums, picture, rule)
+        rule = perceptual_rule(typical_count(threshold), 512)
+        traced += continue_points(picture, sums, picture, rule, neighbours=neighbours)
     assert traced == sums.count.sum()
     expected = np.take_along_axis(np.cumsum(picture.seen, 1), sums.count[:, None] - 1, 1)[:, 0]
     np.testing.assert_array_equal(sums.visible, expected)

@@ -3,8 +3,6 @@
 World space, metres, z up. A part of a mesh is a tuple (vertices, triangles, corner normals).
 """
 
-import threading
-
 import numpy as np
 
 from iwis.core.film import Film
@@ -27,6 +25,7 @@ from iwis.core.scene import (
 from iwis.core.sequence import common_points
 from iwis.core.settings import RenderSettings
 from iwis.core.tile_job import Job
+from iwis.core.watch import StopFlag
 
 MATERIAL = {
     "model": DIFFUSE,
@@ -258,5 +257,5 @@ def make_job(scene: Scene, **settings) -> Job:
     settings, cache = RenderSettings(**settings), RenderCache()
     light = cache.light(scene.environment)
     sequence = common_points(settings.max_samples, settings.point_set)
-    accel, stop = cache.accel(scene.mesh), threading.Event()
+    accel, stop = cache.accel(scene.mesh), StopFlag()
     return Job(scene, settings, accel, light, None, sequence, stop)

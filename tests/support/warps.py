@@ -4,13 +4,14 @@ import numpy as np
 
 from iwis.core._jit import kernel
 from iwis.core.environment import make_lookup
+from iwis.core.lanes import DX, DY, DZ, LANES, PDF, X, Y, new_lanes
 from iwis.core.light_rays import make_light
 from iwis.core.light_tree import build_pyramid
 from iwis.core.lobes import setup_lobes
 from iwis.core.product import new_products, pdf_product
 from iwis.core.product_build import build_product, new_block_scratch
 from iwis.core.sphere_map import sphere_to_square
-from iwis.core.warp import DX, DY, DZ, LANES, PDF, X, Y, new_lanes, warp_lanes
+from iwis.core.warp import warp_lanes
 
 from .scenes import make_materials
 

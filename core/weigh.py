@@ -1,0 +1,125 @@
+"""What the samples in the lanes carry: radiance x BSDF x cosine over density, and a ray to ask for.
+
+The end of the way for samples of the product: warp.py has given them directions, trace_lanes.py
+asks which of them see the light.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ._jit import kernel
+from .brdf import eval_at, lobes_at, pdf_narrowest_at
+from .environment import eval_map
+from .lanes import BLUE, DIFFUSE, DX, DY, DZ, GLOSSY, GREEN, LANES, OX, OY, OZ, PDF, RED, U, V
+from .light_rays import is_lifted
+from .lobes import DIFFUSE_LOBE
+from .microfacet import INV_PI
+from .sequence import sample_number
+from .terminator import lift_share
+
+_ZERO, _ONE = np.float32(0.0), np.float32(1.0)
+
+
+@kernel
+def fill_radiance(lookup, lanes, n):
+    """RED, GREEN, BLUE: the radiance from each lane's direction, whose place in the map is U, V."""
+    numbers = lanes.numbers
+    for s in range(n):
+        r, g, b = eval_map(lookup, numbers[U + s], numbers[V + s])
+        numbers[RED + s], numbers[GREEN + s], numbers[BLUE + s] = r, g, b
+
+
+@kernel
+def _start_rays(points, p, offset, numbers, s, end):
+    """OX, OY, OZ of lanes s ... end - 1; what comes from below the face brings nothing.
+
+    It is occluded, whatever the interpolated normal says (docs/decisions/0005).
+    """
+    face, position = points.geometric_normal, points.position
+    nx, ny, nz = face[p, 0], face[p, 1], face[p, 2]
+    ox = position[p, 0] + offset * nx
+    oy = position[p, 1] + offset * ny
+    oz = position[p, 2] + offset * nz
+    for k in range(s, end):
+        above = numbers[DX + k] * nx + numbers[DY + k] * ny + numbers[DZ + k] * nz
+        lit = _ONE if above > _ZERO else _ZERO
+        numbers[RED + k] *= lit
+        numbers[GREEN + k] *= lit
+        numbers[BLUE + k] *= lit
+        numbers[OX + k], numbers[OY + k], numbers[OZ + k] = ox, oy, oz
+
+
+@kernel
+def _lift_rays(task, at, p, lanes, s, end):
+    """After _start_rays, for a point with a smooth patch over it (terminator.py).
+
+    Rays that start on the patch bring light from below the face as well.
+    """
+    numbers, points, light = lanes.numbers, task.points, task.light
+    face, normal, lift = points.geometric_normal, points.normal, points.lift
+    for k in range(s, end):
+        wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
+        u = sample_number(task.sequence, p, lanes.sample[k])
+        if not is_lifted(at, points, light, p, wx, wy, wz, u):
+            continue
+        above = face[p, 0] * wx + face[p, 1] * wy + face[p, 2] * wz
+        if above <= _ZERO:
+            r, g, b = eval_map(light.lookup, numbers[U + k], numbers[V + k])
+            numbers[RED + k], numbers[GREEN + k], numbers[BLUE + k] = r, g, b
+        cosine = normal[p, 0] * wx + normal[p, 1] * wy + normal[p, 2] * wz
+        share = lift_share(above, cosine, points.lift_below[p])
+        numbers[OX + k] += share * lift[p, 0]
+        numbers[OY + k] += share * lift[p, 1]
+        numbers[OZ + k] += share * lift[p, 2]
+
+
+@kernel
+def _weigh_matte(at, share, numbers, s, end):
+    """DIFFUSE and GLOSSY of the lanes of a point that has a Lambert lobe alone."""
+    for k in range(s, end):
+        wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
+        cosine = max(at.normal[0] * wx + at.normal[1] * wy + at.normal[2] * wz, _ZERO)
+        scale = cosine * INV_PI
+        pdf = share * scale + (_ONE - share) * numbers[PDF + k]
+        scale = scale / pdf if pdf > _ZERO else _ZERO
+        numbers[DIFFUSE + k] = at.diffuse[0] * scale * numbers[RED + k]
+        numbers[DIFFUSE + LANES + k] = at.diffuse[1] * scale * numbers[GREEN + k]
+        numbers[DIFFUSE + 2 * LANES + k] = at.diffuse[2] * scale * numbers[BLUE + k]
+        numbers[GLOSSY + k] = _ZERO
+        numbers[GLOSSY + LANES + k] = _ZERO
+        numbers[GLOSSY + 2 * LANES + k] = _ZERO
+
+
+@kernel
+def _weigh_glossy(at, share, numbers, s, end):
+    """The same for any point."""
+    for k in range(s, end):
+        wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
+        pdf = share * pdf_narrowest_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
+        inverse = _ONE / pdf if pdf > _ZERO else _ZERO
+        dr, dg, db, gr, gg, gb = eval_at(at, wx, wy, wz)
+        r, g = numbers[RED + k] * inverse, numbers[GREEN + k] * inverse
+        b = numbers[BLUE + k] * inverse
+        numbers[DIFFUSE + k] = dr * r
+        numbers[DIFFUSE + LANES + k] = dg * g
+        numbers[DIFFUSE + 2 * LANES + k] = db * b
+        numbers[GLOSSY + k] = gr * r
+        numbers[GLOSSY + LANES + k] = gg * g
+        numbers[GLOSSY + 2 * LANES + k] = gb * b
+
+
+@kernel
+def weigh_run(task, share, p, lanes, s, end):
+    """Finish lanes s ... end - 1, all of point p, but for the question who sees the light.
+
+    share: of the samples, those that follow the narrowest lobe
+    """
+    at = lobes_at(task.lobes, p)
+    _start_rays(task.points, p, task.offset, lanes.numbers, s, end)
+    if task.points.lift_below[p] > _ZERO:
+        _lift_rays(task, at, p, lanes, s, end)
+    if at.kind <= DIFFUSE_LOBE:
+        _weigh_matte(at, share, lanes.numbers, s, end)
+    else:
+        _weigh_glossy(at, share, lanes.numbers, s, end)
