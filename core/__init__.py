@@ -13,7 +13,8 @@ In the order of the data; a module imports only from groups with a smaller numbe
     pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes
     product_build, warp, light_rays, paper_tables,   5  product sampling; the tables of a scene
     pass_sums, light_cells
-    weigh, paper_products, light_tree, develop       6  what samples carry; the light; layers
+    weigh, guide, paper_products, light_tree,        6  what samples bring, and teach; layers
+    develop
     unbiased, paper, render_cache                    7  the two modes; what is kept
     block_loop, reference                            8  UNBIASED's loop; estimators to compare with
     tile_job                                         9  a tile's work

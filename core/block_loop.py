@@ -13,6 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .guide import (
+    GuideRoom,
+    guide_of,
+    learn,
+    new_guide_room,
+    next_lesson,
+    scale_product,
+)
 from .incremental import PixelSums, RayBatch, least_count, new_rays, select_points
 from .lobes import Lobes
 from .neighbours import CELL_PX, Neighbours, fill_neighbours
@@ -39,18 +47,20 @@ _BATCH = 8192
 class Room(NamedTuple):
     """Scratch of a thread for blocks of up to BLOCK_POINTS points.
 
-    near, group: of Neighbours; slots: of fill_neighbours; wanted, active, counts: int32 (n,)
-    rays: without room, for take_samples
+    near, group: of Neighbours; slots: of fill_neighbours
+    wanted, active, some, counts: int32 (n,); rays: without room, for take_samples
     """
 
     work: Work
     products: Products
     rule: RuleRoom
+    guide: GuideRoom
     near: np.ndarray
     group: np.ndarray
     slots: np.ndarray
     wanted: np.ndarray
     active: np.ndarray
+    some: np.ndarray
     counts: np.ndarray
     rays: RayBatch
 
@@ -62,10 +72,11 @@ def new_room(glossy: bool) -> Room:
         new_work(),
         new_products(n, glossy),
         new_rule_room(n),
+        new_guide_room(),
         np.empty((n, 8), np.int32),
         np.empty(n, np.int32),
         np.empty((CELL_PX + 2, CELL_PX + 2), np.int32),
-        *(np.empty(n, np.int32) for _ in range(3)),
+        *(np.empty(n, np.int32) for _ in range(4)),
         new_rays(0),
     )
 
@@ -129,19 +140,42 @@ def _sums_at(sums, a, b):
 
 
 @kernel
-def _take_round(task, n_active, taken, traversal, sums, room, stop):
-    """Samples from ``taken`` on of all active points, a batch after another; how many had a ray."""
-    active, counts, first, traced = room.active, room.counts, 0, 0
-    while first < n_active and not (first > 0 and stop[0]):
-        last, total = first + 1, counts[first]
-        while last < n_active and total + counts[last] <= _BATCH:
-            total += counts[last]
-            last += 1
-        some, own, n = active[first:last], counts[first:last], last - first
-        traced += take_samples(task, room.work, some, n, taken, own, traversal, sums, room.rays)
-        for a in range(first, last):
-            sums.count[active[a]] += counts[a]
-        first = last
+def _take_piece(task, n_active, first, end, traversal, sums, room, stop):
+    """Samples first ... end - 1 of the active points that want them; how many had a ray."""
+    active, wanted, some, counts = room.active, room.wanted, room.some, room.counts
+    n, total, traced = 0, 0, 0
+    for a in range(n_active):
+        p = active[a]
+        count = min(wanted[p], end) - first
+        if count > 0:
+            some[n], counts[n] = p, count
+            n, total = n + 1, total + count
+        if n > 0 and (total > _BATCH or a == n_active - 1):
+            if stop[0]:
+                break
+            own = some, n, first, counts
+            traced += take_samples(task, room.work, *own, traversal, sums, room.rays)
+            for k in range(n):
+                sums.count[some[k]] += counts[k]
+            n, total = 0, 0
+    return traced
+
+
+@kernel
+def _take_round(task, n_active, first, end, traversal, sums, room, stop):
+    """The same for a whole round, with the guide's lessons in between."""
+    traced, guide, wanted = 0, task.guide, room.wanted
+    while first < end and not stop[0]:
+        piece = min(end, first + _BATCH)
+        if len(guide.learnt) > 0:
+            if first >= next_lesson(guide):
+                learn(guide, first, room.guide)
+                for p in range(len(sums.count)):
+                    if wanted[p] > sums.count[p]:
+                        scale_product(task.products, p, room.guide.ratio)
+            piece = min(piece, next_lesson(guide))
+        traced += _take_piece(task, n_active, first, piece, traversal, sums, room, stop)
+        first = piece
     return traced
 
 
@@ -149,7 +183,7 @@ def _take_round(task, n_active, taken, traversal, sums, room, stop):
 def _continue_block(task, traversal, rule, neighbours, sums, room, stop):
     """incremental.continue_points for one block; how many samples had a ray."""
     n = len(sums.count)
-    wanted, active, counts = room.wanted[:n], room.active, room.counts
+    wanted, active = room.wanted[:n], room.active
     begin_rule(rule, neighbours, sums, room.rule, wanted)
     for p in range(n):
         if not task.products.trees[p, 0] > np.float32(0.0):
@@ -157,10 +191,8 @@ def _continue_block(task, traversal, rule, neighbours, sums, room, stop):
     traced, taken = 0, least_count(wanted, sums)
     while taken >= 0 and not stop[0]:
         n_active = select_points(wanted, taken, sums, active)
-        end = min(end_of_round(rule, taken), taken + _BATCH)
-        for a in range(n_active):
-            counts[a] = min(wanted[active[a]], end) - taken
-        traced += _take_round(task, n_active, taken, traversal, sums, room, stop)
+        end = end_of_round(rule, taken)
+        traced += _take_round(task, n_active, taken, end, traversal, sums, room, stop)
         decide_rule(rule, neighbours, active, n_active, end, sums, room.rule, wanted)
         taken = least_count(wanted, sums)
     finish_rule(rule, neighbours, sums, room.rule)
@@ -168,14 +200,24 @@ def _continue_block(task, traversal, rule, neighbours, sums, room, stop):
 
 
 @kernel
+def _prepare_products(task, scratch):
+    """Build the products of a block, as its guide wants them."""
+    build_products(task.lobes, task.light, task.products, scratch)
+    if len(task.guide.learnt) > 0 and task.guide.learnt[0] > 0:
+        for p in range(len(task.lobes.kind)):
+            scale_product(task.products, p, task.guide.gain[0])
+
+
+@kernel
 def continue_blocks(
-    bounds, places, points, lobes, light, sequence, offset, traversal, rule, sums, room, stop
+    bounds, guides, where, points, lobes, light, sequence, offset, traversal, rule, sums, room, stop
 ):
     """Add samples to points until each has as many as the rule wants: number of rays traced.
 
     bounds: int32 (blocks + 1,), where blocks of points begin, at most BLOCK_POINTS each; for rule
         PERCEPTUAL whole cells, in neighbours.cell_order
-    places: Places; sequence: of the points; offset: float32; rule: stop_rule.Rule, without a plan
+    guides: of the blocks, added to; of none: nothing is learnt
+    where: Places; sequence: of the points; offset: float32; rule: stop_rule.Rule
     sums: PixelSums, added to; stop: uint8 (1,), ends it early if not 0, with what there is
     """
     traced = 0
@@ -184,18 +226,19 @@ def continue_blocks(
         neighbours = Neighbours(room.near[: b - a], room.group[: b - a])
         own = _points_at(points, a, b)
         if rule.kind != PAPER_RULE:
-            where = places.column[a:b], places.row[a:b], places.material[a:b]
-            fill_neighbours(where[0], where[1], where[2], own.normal, room.slots, neighbours)
+            own_places = where.column[a:b], where.row[a:b], where.material[a:b]
+            fill_neighbours(*own_places, own.normal, room.slots, neighbours)
         part = Rule(rule.kind, rule.threshold, rule.batch, rule.typical, rule.most, rule.plan[a:b])
         task = Task(
             own,
             _lobes_at(lobes, a, b),
             light,
             room.products,
+            guide_of(guides, block),
             PixelSequence(sequence.points, sequence.x[a:b], sequence.y[a:b], sequence.scrambled),
             offset,
         )
-        build_products(task.lobes, light, room.products, room.work.scratch)
+        _prepare_products(task, room.work.scratch)
         traced += _continue_block(
             task, traversal, part, neighbours, _sums_at(sums, a, b), room, stop
         )

@@ -13,6 +13,7 @@ from .film import new_layers
 from .incremental import PixelSums
 from .lobes import Lobes
 from .pass_sums import PassSums
+from .pyramid import luminance
 from .scene import Scene
 from .shading import ShadingPoints
 
@@ -65,6 +66,21 @@ def _divide(light, color):
     return light / np.float64(color) if color > 0.0 else 0.0
 
 
+@kernel(forceinline=True)
+def _visibility(sums, p):
+    """I_d / I_s: the part of the light that arrives; of luminance, float64."""
+    d, g, whole = sums.diffuse, sums.glossy, sums.unoccluded
+    seen = luminance(d[p, 0] + g[p, 0], d[p, 1] + g[p, 1], d[p, 2] + g[p, 2])
+    light = luminance(whole[p, 0], whole[p, 1], whole[p, 2])
+    return min(seen / light, 1.0) if light > 0.0 else 0.0
+
+
+@kernel
+def _visibilities(sums, out):
+    for p in range(len(out)):
+        out[p] = _visibility(sums, p)
+
+
 @kernel
 def _write_points(place, normal, lobes, sums, exposure, max_samples, layers):
     for p in range(len(place)):
@@ -87,7 +103,7 @@ def _write_points(place, normal, lobes, sums, exposure, max_samples, layers):
         layers.sample_count[k, 0] = np.float64(sums.count[p]) / max_samples
         layers.samples[k, 0] = sums.count[p]
         layers.error[k, 0] = sums.error[p] if np.isfinite(sums.error[p]) else 0.0
-        layers.visibility[k, 0] = np.float64(sums.visible[p]) / count
+        layers.visibility[k, 0] = _visibility(sums, p)
 
 
 def develop_points(
@@ -144,6 +160,8 @@ def filtered_layers(
     layers["depth"][:] = NO_DEPTH
     _write_geometry(layers, scene, points, points.pixel)
     passes = np.maximum(sums.passes, 1)[:, None]
+    visibility = np.empty(len(passes))
+    _visibilities(sums, visibility)
     light = {
         name: getattr(sums, name) / passes * np.float64(scene.exposure)
         for name in ("diffuse", "glossy", "emission", "environment", "unoccluded")
@@ -160,7 +178,7 @@ def filtered_layers(
         "sample_count": sums.count[:, None] / max_samples,
         "samples": sums.count[:, None],
         "error": np.where(np.isfinite(sums.error), sums.error, 0.0)[:, None],
-        "visibility": (sums.visible / np.maximum(sums.count, 1))[:, None],
+        "visibility": visibility[:, None],
     }
     for name, value in values.items():
         _flat(layers, name)[:] = value

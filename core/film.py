@@ -29,7 +29,7 @@ LAYERS = {
     "samples": 1,  # shadow rays of the pixel
     "error": 1,  # e_d when the pixel stopped [Huang07, eq. 7]
     "unoccluded": 3,  # I_s
-    "visibility": 1,  # K / N
+    "visibility": 1,  # I_d / I_s
 }
 
 

@@ -12,11 +12,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from .camera import camera_rays, rays_through
+from .camera import camera_rays, pixel_grid, rays_through
 from .develop import filtered_layers
 from .environment import eval_environment_many
 from .film import Tile
+from .guide import new_guides
 from .incremental import PixelSums, new_sums
+from .neighbours import cell_order
 from .pass_sums import PassSums, add_background, add_seen, close_pass, fill_spreads, new_pass_sums
 from .pixel_filter import filter_offsets, unit_points
 from .shading import ShadingPoints
@@ -27,8 +29,8 @@ from .tile_job import (
     SeenPoints,
     TileCounts,
     add_samples,
-    plain_bounds,
     trace_points,
+    whole_cells,
     with_lobes,
 )
 
@@ -43,17 +45,23 @@ def samples_of_a_pass(settings) -> int:
 
 
 class FilteredTile:
-    """Several shading points a pixel (tile_job.TileWork); 148 bytes a pixel between calls.
+    """Several shading points a pixel (tile_job.TileWork); 280 bytes a pixel between calls.
 
-    Arrays are over the tile and one pixel around it, row by row.
+    The work is at whole cells of the frame (neighbours.py), of which ``develop`` cuts the tile:
+    their guides learn from all passes. Arrays are over these cells and one pixel around them, row
+    by row.
     """
 
     def __init__(self, job: Job, rect: Rect):
         self._job, self.rect = job, rect
-        self._around = Rect(rect.x - 1, rect.y - 1, rect.width + 2, rect.height + 2)
+        whole = whole_cells(rect, job.scene.camera)
+        self._around = Rect(whole.x - 1, whole.y - 1, whole.width + 2, whole.height + 2)
         self._n = n = self._around.width * self._around.height
         self._sums = new_pass_sums(n)
-        self._active = self._inside()
+        self._active, self._cell = self._cells(whole)
+        learns = job.settings.estimator == "UNBIASED"
+        self._n_cells = int(self._cell.max()) + 1
+        self._guides = new_guides(self._n_cells if learns else 0)
         # The least and the greatest object that a pixel's first passes saw.
         self._least, self._greatest = np.full(n, _NO_OBJECT), np.full(n, _WORLD)
         self._passes = self._traced = self._primary = 0
@@ -74,7 +82,7 @@ class FilteredTile:
         scene = self._job.scene
         points = trace_points(self._job, *camera_rays(scene.camera, *self.rect))
         self._primary += width * height
-        inside = self._inside()
+        inside = self._inside(self.rect)
         sums = PassSums(*(column[inside] for column in self._sums))
         layers = filtered_layers(
             scene, points, sums, (width, height), self._job.settings.max_samples
@@ -86,7 +94,7 @@ class FilteredTile:
 
     def counts(self) -> TileCounts:
         """See TileWork."""
-        inside = self._inside()
+        inside = self._inside(self.rect)
         count, hits = self._sums.count[inside], self._sums.hits[inside]
         return TileCounts(
             int((hits > 0).sum()), int(count.sum()), int(count.max()), self._traced, self._primary
@@ -110,8 +118,9 @@ class FilteredTile:
 
         The first passes look through the pixels around the tile as well.
         """
-        pilot = self._passes < _PILOT
-        looked = np.arange(self._n, dtype=np.int32) if pilot else self._active
+        pilot, looked = self._passes < _PILOT, self._active
+        if pilot:
+            looked = np.append(looked, np.flatnonzero(self._cell < 0).astype(np.int32))
         origins, directions = self._rays(looked)
         points = trace_points(self._job, origins, directions)
         self._primary += len(looked)
@@ -120,10 +129,9 @@ class FilteredTile:
         points = points._replace(pixel=looked[points.pixel])
         if pilot:
             self._note_objects(looked[missed], points)
-            wanted = np.zeros(len(looked), np.bool_)
-            wanted[self._active] = True
-            missed &= wanted
-            points = ShadingPoints(*(column[wanted[points.pixel]] for column in points))
+            inside = self._cell >= 0
+            missed &= inside[looked]
+            points = ShadingPoints(*(column[inside[points.pixel]] for column in points))
         return points, looked[missed], directions[missed]
 
     def _rays(self, pixels):
@@ -148,8 +156,11 @@ class FilteredTile:
     def _sample(self, seen: SeenPoints, count: int) -> PixelSums:
         first = self._passes * samples_of_a_pass(self._job.settings)
         sums, rule = new_sums(len(seen.rows)), paper_rule(-1.0, count, first + count)
-        bounds = plain_bounds(len(seen.rows))
-        self._traced += add_samples(self._job, seen, self._around, sums, bounds, rule, first)
+        cells = np.arange(self._n_cells + 1)
+        bounds = np.searchsorted(self._cell[seen.points.pixel], cells).astype(np.int32)
+        self._traced += add_samples(
+            self._job, seen, self._around, sums, bounds, rule, self._guides, first
+        )
         return sums
 
     def _note_objects(self, missed, points: ShadingPoints) -> None:
@@ -188,9 +199,20 @@ class FilteredTile:
         near[1:-1, 1:-1] = _of_nine(least, np.minimum) != _of_nine(greatest, np.maximum)
         return near.ravel()
 
-    def _inside(self) -> np.ndarray:
-        """int32: the pixels of the tile, of those looked through."""
-        return self._shaped(np.arange(self._n, dtype=np.int32))[1:-1, 1:-1].ravel()
+    def _cells(self, whole: Rect) -> tuple[np.ndarray, np.ndarray]:
+        """Pixels to sample, int32, by cells; the cell of each looked through, -1 around them."""
+        columns, rows = pixel_grid(*whole)
+        order, ends = cell_order(columns, rows)
+        inside = self._inside(whole)[order]
+        cell = np.full(self._n, -1, np.int32)
+        cell[inside] = np.repeat(np.arange(len(ends) - 1, dtype=np.int32), np.diff(ends))
+        return inside, cell
+
+    def _inside(self, rect: Rect) -> np.ndarray:
+        """int32: the pixels of a rectangle, row by row, of those looked through."""
+        x, y = rect.x - self._around.x, rect.y - self._around.y
+        pixels = self._shaped(np.arange(self._n, dtype=np.int32))
+        return pixels[y : y + rect.height, x : x + rect.width].ravel()
 
     def _shaped(self, values) -> np.ndarray:
         return values.reshape(self._around.height, self._around.width)

@@ -30,6 +30,7 @@ class Lanes(NamedTuple):
 
     numbers: float32 (rows * LANES,): X, Y, DX ... are where a row begins
     cell, quadrant: int32 (LANES,), where a lane is, and where it goes
+    base: int32 (LANES,), the cell of its product's base; -1: it follows a lobe
     block: int32 (LANES,), 1 + the block of its product that it is in, 0 = none
     tree: int64 (LANES,), where the lane's product begins in the array of all products
     point, sample: int32 (LANES,), shading point and index of its sample
@@ -39,6 +40,7 @@ class Lanes(NamedTuple):
     numbers: np.ndarray
     cell: np.ndarray
     quadrant: np.ndarray
+    base: np.ndarray
     block: np.ndarray
     tree: np.ndarray
     point: np.ndarray
@@ -49,11 +51,12 @@ class Lanes(NamedTuple):
 
 def new_lanes() -> Lanes:
     """Lanes with nothing in them."""
-    integers = [np.zeros(LANES, np.int32) for _ in range(6)]
+    integers = [np.zeros(LANES, np.int32) for _ in range(7)]
     return Lanes(
         numbers=np.zeros(_ROWS * LANES, np.float32),
         cell=integers[0],
         quadrant=integers[1],
+        base=integers[6],
         block=integers[2],
         tree=np.zeros(LANES, np.int64),
         point=integers[3],

@@ -16,10 +16,10 @@ import numpy as np
 from ._jit import kernel
 from .microfacet import HALF, ONE, QUARTER, ZERO
 from .pyramid import luminance
+from .sphere_map import CELL_REACH
 
 _TINY = np.float32(1e-6)
-# No corner of a cell is farther from its centre than this many radii of its disc (measured).
-_REACH = np.float32(2.15)
+_REACH = np.float32(CELL_REACH)  # how far the corners of a cell are, in radii of its disc
 # What a cell keeps, of the cosine its farthest corner may have.
 _CORNER = np.float32(0.05)
 # Half of a lobe this narrow is left to those samples that follow the lobe itself: it spans about
@@ -126,7 +126,7 @@ def fill_lambert(lobe, x, y, z, light, n, radius, scale, values):
 
 @kernel
 def add_gloss(lobe, x, y, z, light, n, radius, scale, values, spread):
-    """values += scale x light x GGX lobe x cosine over n cells, widened to what a cell can hold.
+    """values += scale x light x GGX lobe x cosine over n cells, widened to the cells.
 
     spread: written, the variance that the lobe's slope leaves inside each cell, times its value
     """

@@ -10,9 +10,8 @@ Cells in which a glossy lobe is steep are cut into blocks of 4 x 4, and cells of
 128^2 and 512^2 cells to the sphere, where they count (docs/decisions/0010-narrow-lobes.md).
 product_build.py fills it, warp.py leads points through it and on into the light's last texel.
 
-Cells of the base stand in digit-reversed Morton order: children of cell r of level l are
-r + q 4^l, q = 0 ... 3, of level l + 1, so that sums over children are sums of four long vectors.
-Those of a block stand in Morton order.
+Cells stand in Morton order, as the light's do: children of cell k are 4 k ... 4 k + 3. Groups of 16
+cells of the base that lie below a lobe's horizon are left out together.
 """
 
 from __future__ import annotations
@@ -24,11 +23,12 @@ import numpy as np
 
 from ._jit import kernel
 from .pyramid import LightPyramid, eval_leaf, level_offset, morton_to_row_column
-from .sphere_map import square_to_sphere
+from .sphere_map import CELL_REACH, square_to_sphere
 
 BASE_LEVEL, BLOCK_LEVELS = 5, 2
 SECOND_LEVEL, DEEPEST_LEVEL = BASE_LEVEL + BLOCK_LEVELS, BASE_LEVEL + 2 * BLOCK_LEVELS
 BASE_CELLS = 1 << (2 * BASE_LEVEL)
+GROUP = 16  # cells of the base
 BLOCK_CELLS = 1 << (2 * BLOCK_LEVELS)
 BASE_BEGIN = level_offset(BASE_LEVEL)
 MAX_BLOCKS = 48  # of a point
@@ -48,15 +48,18 @@ class CellDirections(NamedTuple):
 
 
 class ProductCells(NamedTuple):
-    """The base's cells: x, y, z float32 (4^BASE_LEVEL,), directions; light float32, luminance;
-    morton int32, the pyramid's cell of each. second, third: the levels of the blocks.
+    """The base's cells: x, y, z float32 (4^BASE_LEVEL,), directions; light float32, luminance.
+
+    groups: float32 (n / 16, 4), a cone around each 16 of them: axis, and the cosine to it below
+        which a normal has all of the cone under its horizon
+    second, third: the levels of the blocks
     """
 
     x: np.ndarray
     y: np.ndarray
     z: np.ndarray
     light: np.ndarray
-    morton: np.ndarray
+    groups: np.ndarray
     second: CellDirections
     third: CellDirections
 
@@ -89,20 +92,6 @@ def new_products(n: int, glossy: bool) -> Products:
 
 
 @kernel
-def _fill_base_cells(averages, cells):
-    side = 1 << BASE_LEVEL
-    for r in range(BASE_CELLS):
-        morton = 0
-        for digit in range(BASE_LEVEL):  # the coarsest digit of the Morton code is r's lowest
-            morton = 4 * morton + ((r >> (2 * digit)) & 3)
-        row, column = morton_to_row_column(morton)
-        dx, dy, dz = square_to_sphere((column + 0.5) / side, (row + 0.5) / side)
-        cells.x[r], cells.y[r], cells.z[r] = dx, dy, dz
-        cells.light[r] = averages[BASE_BEGIN + morton]
-        cells.morton[r] = morton
-
-
-@kernel
 def _fill_directions(level, directions):
     side = 1 << level
     for k in range(side * side):
@@ -118,20 +107,28 @@ def product_cells(pyramid: LightPyramid) -> ProductCells:
         directions = CellDirections(*(np.empty(1 << (2 * level), np.float32) for _ in range(3)))
         _fill_directions(level, directions)
         levels.append(directions)
-    floats = (np.empty(BASE_CELLS, np.float32) for _ in range(4))
-    cells = ProductCells(*floats, np.empty(BASE_CELLS, np.int32), *levels)
-    _fill_base_cells(pyramid.averages, cells)
-    return cells
+    base = CellDirections(*(np.empty(BASE_CELLS, np.float32) for _ in range(3)))
+    _fill_directions(BASE_LEVEL, base)
+    light = pyramid.averages[BASE_BEGIN : BASE_BEGIN + BASE_CELLS].copy()
+    return ProductCells(*base, light, _cones(np.stack(base, -1)), *levels)
+
+
+def _cones(directions: np.ndarray) -> np.ndarray:
+    """ProductCells.groups. directions: of the base's cells, float32 (n, 3)"""
+    groups = directions.reshape(-1, GROUP, 3).astype(np.float64)
+    axes = groups.mean(1)
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    widest = np.arccos(np.clip((groups * axes[:, None]).sum(-1).min(1), -1.0, 1.0))
+    # A cell has light while its centre is less than that below the horizon (lobe_cells.py).
+    under = np.arccos(-CELL_REACH * 2.0 / (1 << BASE_LEVEL))
+    below = np.where(under + widest < np.pi, np.cos(np.minimum(under + widest, np.pi)), -2.0)
+    return np.concatenate([axes, below[:, None] - 1e-5], 1).astype(np.float32)
 
 
 @kernel(forceinline=True)
 def _product_cell(products, p, cell, levels):
     """(value in units of a base cell, level) of the product's last cell around a cell of levels."""
-    leaf = cell >> (2 * (levels - BASE_LEVEL))
-    r = 0
-    for _ in range(BASE_LEVEL):
-        r = 4 * r + (leaf & 3)
-        leaf >>= 2
+    r = cell >> (2 * (levels - BASE_LEVEL))
     value, level = np.float64(products.trees[p, BASE_BEGIN + r]), BASE_LEVEL
     if products.blocks[p] > 0:
         block, scale = products.links[p, r], 1.0

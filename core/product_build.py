@@ -20,6 +20,7 @@ from .product import (
     BLOCK_BEGIN,
     BLOCK_CELLS,
     DEEPEST_LEVEL,
+    GROUP,
     MAX_BLOCKS,
     SECOND_LEVEL,
     SUMS_BEGIN,
@@ -135,7 +136,7 @@ def _cut_steep_cells(lambert, gloss, cells, averages, levels, total, tree, links
     links[:] = 0
     for b in range(n):
         links[parent[b]] = b + 1
-        morton[b] = cells.morton[parent[b]]
+        morton[b] = parent[b]
     _gather_blocks(cells.second, averages, levels, SECOND_LEVEL, 0, n, scratch)
     _fill_blocks(lambert, gloss, SECOND_LEVEL, 0, n, tree, scratch)
     for b in range(n):
@@ -155,17 +156,65 @@ def _cut_steep_cells(lambert, gloss, cells, averages, levels, total, tree, links
 
 
 @kernel
-def _sum_base(tree):
+def sum_base(tree):
+    """Write all levels above the base of a product's tree."""
     for up in range(BASE_LEVEL - 1, -1, -1):
-        m = 1 << (2 * up)
         here, below = level_offset(up), level_offset(up + 1)
-        for r in range(m):
-            tree[here + r] = (
-                tree[below + r]
-                + tree[below + m + r]
-                + tree[below + 2 * m + r]
-                + tree[below + 3 * m + r]
-            )
+        for k in range(1 << (2 * up)):
+            c = below + 4 * k
+            tree[here + k] = (tree[c] + tree[c + 1]) + (tree[c + 2] + tree[c + 3])
+
+
+@kernel(forceinline=True)
+def _below(groups, g, normal):
+    return (
+        groups[g, 0] * normal[0] + groups[g, 1] * normal[1] + groups[g, 2] * normal[2]
+        <= groups[g, 3]
+    )
+
+
+@kernel(forceinline=True)
+def _next_run(groups, normal, g):
+    """(first, last + 1) of the next groups from g on that may be above the horizon."""
+    n = len(groups)
+    while g < n and _below(groups, g, normal):
+        g += 1
+    first = g
+    while g < n and not _below(groups, g, normal):
+        g += 1
+    return first, g
+
+
+@kernel(forceinline=True)
+def _run(cells, a, b):
+    return cells.x[a:b], cells.y[a:b], cells.z[a:b], cells.light[a:b]
+
+
+@kernel
+def _fill_base_lambert(lobe, cells, radius, leaves):
+    """Write the base's cells; returns their sum."""
+    total, g = np.float32(0.0), 0
+    normal, one = (lobe.x, lobe.y, lobe.z), np.float32(1.0)
+    while g < len(cells.groups):
+        first, end = _next_run(cells.groups, normal, g)
+        leaves[GROUP * g : GROUP * first] = np.float32(0.0)
+        a, b = GROUP * first, GROUP * end
+        total += fill_lambert(lobe, *_run(cells, a, b), b - a, radius, one, leaves[a:b])
+        g = end
+    return total
+
+
+@kernel
+def _add_base_gloss(lobe, cells, radius, leaves, spread):
+    """Add the glossy lobe to the base's cells."""
+    g, one = 0, np.float32(1.0)
+    while g < len(cells.groups):
+        first, end = _next_run(cells.groups, lobe.normal, g)
+        spread[GROUP * g : GROUP * first] = np.float32(0.0)
+        a, b = GROUP * first, GROUP * end
+        run = _run(cells, a, b)
+        add_gloss(lobe, *run, b - a, radius, one, leaves[a:b], spread[a:b])
+        g = end
 
 
 @kernel
@@ -177,15 +226,14 @@ def build_product(lobes, p, cells, averages, levels, products, scratch):
     tree = products.trees[p]
     leaves = tree[BASE_BEGIN:BLOCK_BEGIN]
     radius, one = np.float32(2.0 / (1 << BASE_LEVEL)), np.float32(1.0)
-    base = (cells.x, cells.y, cells.z, cells.light)
     lambert = lambert_at(lobes, p)
-    matte = fill_lambert(lambert, *base, BASE_CELLS, radius, one, leaves)
+    matte = _fill_base_lambert(lambert, cells, radius, leaves)
     products.blocks[p], products.follow[p] = 0, 0.0
     if lobes.kind[p] <= DIFFUSE_LOBE:
-        _sum_base(tree)
+        sum_base(tree)
         return
     gloss = gloss_at(lobes, p)
-    add_gloss(gloss, *base, BASE_CELLS, radius, one, leaves, scratch.spread)
+    _add_base_gloss(gloss, cells, radius, leaves, scratch.spread)
     total = np.float32(0.0)
     for r in range(BASE_CELLS):
         total += leaves[r]
@@ -193,7 +241,7 @@ def build_product(lobes, p, cells, averages, levels, products, scratch):
         products.blocks[p] = _cut_steep_cells(
             lambert, gloss, cells, averages, levels, total, tree, products.links[p], scratch
         )
-    _sum_base(tree)
+    sum_base(tree)
     if tree[0] > np.float32(0.0):
         held = max(tree[0] - matte, np.float32(0.0))
         narrow = (one - gloss.kept) * held / (gloss.kept * matte + held)

@@ -15,6 +15,9 @@ import numpy as np
 from ._jit import kernel
 
 PI = math.pi
+# No corner of a cell of a grid over the sphere's square is farther from its centre than this many
+# radii of a disc of its solid angle (measured).
+CELL_REACH = 2.15
 
 
 @kernel(forceinline=True)

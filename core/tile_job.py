@@ -12,16 +12,17 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from .accel import Accel
-from .block_loop import BLOCK_POINTS, Places, continue_blocks, new_room
+from .block_loop import Places, continue_blocks, new_room
 from .camera import planar_depth
 from .film import Tile
+from .guide import Guides
 from .incremental import PixelSums, continue_points
 from .light_rays import Light
 from .lobes import DIFFUSE_LOBE, Lobes, setup_lobes
-from .neighbours import find_neighbours
+from .neighbours import CELL_PX, find_neighbours
 from .paper import PaperSampler
 from .paper_tables import PaperTables
-from .scene import Scene
+from .scene import Camera, Scene
 from .sequence import pixel_sequence
 from .settings import RenderSettings
 from .shading import ShadingPoints, params_at, shading_points
@@ -83,6 +84,13 @@ class TileWork(Protocol):
         """What it has cost."""
 
 
+def whole_cells(rect: Rect, camera: Camera) -> Rect:
+    """The cells of neighbours.py that a tile has a part in, as far as they are in the frame."""
+    x0, y0 = rect.x // CELL_PX * CELL_PX, rect.y // CELL_PX * CELL_PX
+    x1, y1 = (-(-end // CELL_PX) * CELL_PX for end in (rect.x + rect.width, rect.y + rect.height))
+    return Rect(x0, y0, min(x1, camera.width) - x0, min(y1, camera.height) - y0)
+
+
 class SeenPoints(NamedTuple):
     """Shading points of a set of rays and what they are made of; rows: int32 (n,), materials."""
 
@@ -127,11 +135,6 @@ def cell_bounds(points: ShadingPoints, ends: np.ndarray) -> np.ndarray:
     return np.searchsorted(points.pixel, ends).astype(np.int32)
 
 
-def plain_bounds(n: int) -> np.ndarray:
-    """The same for n points of which none asks for neighbours."""
-    return np.append(np.arange(0, n, BLOCK_POINTS, np.int32), np.int32(n))
-
-
 def add_samples(
     job: Job,
     seen: SeenPoints,
@@ -139,12 +142,14 @@ def add_samples(
     sums: PixelSums,
     bounds: np.ndarray,
     rule: Rule,
+    guides: Guides,
     first: int = 0,
 ) -> int:
     """Take the points on, a block after another, as the stop rule says: shadow rays traced.
 
     rect: the tile whose pixels ``points.pixel`` counts; sums: of the points, added to; bounds:
-    int32, where blocks begin, whole cells for rule PERCEPTUAL; first: samples before those of sums
+    int32, where blocks begin, whole cells for rule PERCEPTUAL; guides: of the blocks, added to, or
+    of none; first: samples before those of sums
     """
     if not len(seen.rows):
         return 0
@@ -155,7 +160,7 @@ def add_samples(
     sums.count[:] += first
     by_rays = job.settings.estimator == "PAPER" or job.accel.by_rays
     work = _add_by_rays if by_rays else _add_by_products
-    traced = work(job, seen, places, sequence, sums, bounds, rule)
+    traced = work(job, seen, places, sequence, sums, bounds, rule, guides)
     sums.count[:] -= first
     return traced
 
@@ -166,16 +171,16 @@ def frame_places(rect: Rect, pixel: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return columns + np.int32(rect.x), rows + np.int32(rect.y)
 
 
-def _add_by_products(job, seen, places, sequence, sums, bounds, rule) -> int:
+def _add_by_products(job, seen, places, sequence, sums, bounds, rule, guides) -> int:
     points, lobes, _ = seen
     room = new_room(bool((lobes.kind > DIFFUSE_LOBE).any()))
     offset, traversal = np.float32(job.accel.offset), job.accel.traversal
     stop = job.stop.memory
     own = points, lobes, job.light, sequence, offset, traversal, rule, sums, room, stop
-    return continue_blocks(bounds, places, *own)
+    return continue_blocks(bounds, guides, places, *own)
 
 
-def _add_by_rays(job, seen, places, sequence, sums, bounds, rule) -> int:
+def _add_by_rays(job, seen, places, sequence, sums, bounds, rule, _) -> int:
     """By a sampler that writes its rays: mode PAPER's, or where the Accel wants to see them."""
     traced = 0
     for block in _long_blocks(bounds):

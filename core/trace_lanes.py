@@ -27,7 +27,10 @@ def _choose_rays(lanes, n):
 
 @kernel
 def trace_lanes(traversal, lanes, n):
-    """seen: whether the light of each lane reaches its point; returns how many rays that took."""
+    """seen: whether the light of each lane reaches its point; returns how many rays that took.
+
+    ray: which lanes they belong to
+    """
     m = _choose_rays(lanes, n)
     lanes.seen[:n] = False
     occluded_lanes(traversal, lanes.numbers, OX, DX, LANES, lanes.ray, m, lanes.seen)

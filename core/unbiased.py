@@ -14,6 +14,7 @@ import numpy as np
 from ._jit import kernel
 from .brdf import lobes_at, sample_narrowest_at
 from .embree_rays import NOTHING
+from .guide import Guides, new_guides, note_rays
 from .incremental import RayBatch, new_sums
 from .lanes import (
     DIFFUSE,
@@ -49,13 +50,15 @@ _ZERO, _ONE, _BELOW_ONE = np.float32(0.0), np.float32(1.0), np.float32(1.0 - 2.0
 class Task(NamedTuple):
     """What the samples of some shading points are made from.
 
-    products: of these points; offset: float32, metres that a shadow ray starts off its surface
+    products: of these points; guide: of their block, or of none (guide.py)
+    offset: float32, metres that a shadow ray starts off its surface
     """
 
     points: ShadingPoints
     lobes: Lobes
     light: Light
     products: Products
+    guide: Guides
     sequence: PixelSequence
     offset: np.float32
 
@@ -158,6 +161,7 @@ def _follow_lobes(task, work, n_follows):
         wx, wy, wz = sample_narrowest_at(lobes_at(task.lobes, p), work.x[i], work.y[i])
         x, y = sphere_to_square(np.float64(wx), np.float64(wy), np.float64(wz))
         pdf = pdf_product(task.products, p, pyramid, x, y)
+        lanes.base[s] = -1
         numbers[DX + s], numbers[DY + s], numbers[DZ + s], numbers[PDF + s] = wx, wy, wz, pdf
 
 
@@ -167,7 +171,7 @@ def _finish_lanes(task, cut, work, n):
     light, lanes, numbers = task.light, work.lanes, work.lanes.numbers
     _place_points(work.bits, task.sequence.scrambled, numbers, n)
     n_follows = _part_lanes(work, n)
-    warp_lanes(task.products, cut, light.cells.morton, light.pyramid, light.leaves, lanes, n)
+    warp_lanes(task.products, cut, light.pyramid, light.leaves, lanes, n)
     _follow_lobes(task, work, n_follows)
     fill_map_coordinates(light.lookup, lanes, n)
     fill_radiance(light.lookup, lanes, n)
@@ -208,9 +212,11 @@ def _use_lanes(task, cut, work, n, traversal, sums, rays, m):
     _finish_lanes(task, cut, work, n)
     if len(rays.point) > 0:
         return _write_rays(work.lanes, n, rays, m)
-    m += trace_lanes(traversal, work.lanes, n)
+    n_rays = trace_lanes(traversal, work.lanes, n)
     add_lanes(work.lanes, n, sums)
-    return m
+    if len(task.guide.learnt) > 0:
+        note_rays(work.lanes, n_rays, task.guide)
+    return m + n_rays
 
 
 @kernel
@@ -252,7 +258,8 @@ class UnbiasedSampler:
         glossy = bool((lobes.kind > DIFFUSE_LOBE).any())
         products, self._work = new_products(len(points.pixel), glossy), new_work()
         build_products(lobes, light, products, self._work.scratch)
-        self._task = Task(points, lobes, light, products, sequence, np.float32(offset))
+        own = products, new_guides(0), sequence
+        self._task = Task(points, lobes, light, *own, np.float32(offset))
 
     def lit(self) -> np.ndarray:
         """See incremental.Sampler."""

@@ -58,28 +58,23 @@ def _choose_children(numbers, quadrant, n):
 
 
 @kernel
-def _descend_bases(trees, morton, lanes, n):
-    """From the root of each lane's product to a leaf of its base.
-
-    Then cell is the light's cell, block the leaf, PDF the leaf's value.
-    """
+def _descend_bases(trees, lanes, n):
+    """From the root of each lane's product to a leaf of its base: cell, base; PDF: its value."""
     numbers, cell, tree = lanes.numbers, lanes.cell, lanes.tree
     for s in range(n):
         cell[s] = 0
     for step in range(BASE_LEVEL):
-        m = np.int32(1 << (2 * step))
         begin = level_offset(step + 1)
         for s in range(n):
-            child = tree[s] + (begin + cell[s])
-            numbers[A + s], numbers[B + s] = trees[child], trees[child + m]
-            numbers[C + s], numbers[D + s] = trees[child + 2 * m], trees[child + 3 * m]
+            child = tree[s] + (begin + 4 * cell[s])
+            numbers[A + s], numbers[B + s] = trees[child], trees[child + 1]
+            numbers[C + s], numbers[D + s] = trees[child + 2], trees[child + 3]
         _choose_children(numbers, lanes.quadrant, n)
         for s in range(n):
-            cell[s] += lanes.quadrant[s] * m
+            cell[s] = 4 * cell[s] + lanes.quadrant[s]
     for s in range(n):
-        leaf = cell[s]
-        lanes.block[s], cell[s] = leaf, morton[leaf]
-        numbers[PDF + s] = trees[tree[s] + (BASE_BEGIN + leaf)]
+        lanes.base[s] = cell[s]
+        numbers[PDF + s] = trees[tree[s] + (BASE_BEGIN + cell[s])]
 
 
 @kernel
@@ -117,7 +112,7 @@ def _descend_blocks(products, light, scale, lanes, n):
     numbers, links, trees = lanes.numbers, products.links.reshape(-1), products.trees.reshape(-1)
     stride = products.links.shape[1]
     for s in range(n):
-        lanes.block[s] = links[np.int64(lanes.point[s]) * stride + lanes.block[s]]
+        lanes.block[s] = links[np.int64(lanes.point[s]) * stride + lanes.base[s]]
     level = BASE_LEVEL
     while level < DEEPEST_LEVEL:
         _step_to(level + 1, SUMS_BEGIN, trees, light, lanes, n)
@@ -189,17 +184,17 @@ def _square_to_sphere(numbers, n):
 
 
 @kernel
-def warp_lanes(products, cut, morton, light, leaves, lanes, n):
+def warp_lanes(products, cut, light, leaves, lanes, n):
     """Warp the points (X, Y) of lanes 0 ... n - 1 to directions (DX, DY, DZ), with their PDF.
 
     products: of all points, with lanes.tree and lanes.point: which; their sums must be above 0
-    cut: whether these have blocks: all or none; morton: of the ProductCells; light: the
-    LightPyramid below, and its LightLeaves. PDF is in sr^-1.
+    cut: whether these have blocks: all or none; light: the LightPyramid below, and its
+    LightLeaves. PDF is in sr^-1.
     """
     numbers, cell = lanes.numbers, lanes.cell
     averages = light.averages
     trees = products.trees.reshape(-1)
-    _descend_bases(trees, morton, lanes, n)
+    _descend_bases(trees, lanes, n)
     scale = np.float32(BASE_CELLS / (4.0 * math.pi))
     for s in range(n):
         numbers[PDF + s] *= scale / (trees[lanes.tree[s]] * averages[BASE_BEGIN + cell[s]])

@@ -5,6 +5,7 @@ import pytest
 
 from iwis.core.center_tile import CenterTile
 from iwis.core.filtered_tile import FilteredTile
+from iwis.core.guide import new_guides
 from iwis.core.tile_job import Rect
 from support.scenes import make_job, one_texel_world, varied_scene
 
@@ -15,6 +16,9 @@ def _layers(by_rays, work=CenterTile, world=None, **settings):
     job = make_job(varied_scene(world), max_samples=64, **settings)
     job.accel.by_rays = by_rays
     tile = work(job, WHOLE)
+    if by_rays is not None:  # nor does the older loop learn
+        tile._look()
+        tile._guides = new_guides(0)
     while not tile.advance(64):
         pass
     return tile.develop().layers, tile.counts()

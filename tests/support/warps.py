@@ -62,8 +62,7 @@ class PointProduct:
             n = len(some)
             for row, values in ((X, some[:, 0]), (Y, some[:, 1])):
                 lanes.numbers[row : row + n] = np.minimum(values, np.float32(1.0 - 2.0**-24))
-            morton, light = self.light.cells.morton, self.light.pyramid
-            warp_lanes(self.products, cut, morton, light, self.light.leaves, lanes, n)
+            warp_lanes(self.products, cut, self.light.pyramid, self.light.leaves, lanes, n)
             x, y, z, density = (lanes.numbers[row : row + n] for row in (DX, DY, DZ, PDF))
             directions[first : first + n] = np.stack([x, y, z], -1)
             pdf[first : first + n] = density
