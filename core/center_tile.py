@@ -44,6 +44,7 @@ class CenterTile:
         self._sums: PixelSums | None = None
         self._seen: SeenPoints | None = None
         self._missed: MissedRays | None = None
+        self._places = np.zeros(0, np.int32)
         self._bounds = np.zeros(1, np.int32)
         self._guides: Guides | None = None
         self._traced = self._primary = 0
@@ -64,11 +65,10 @@ class CenterTile:
         """See TileWork."""
         self._look()
         points, lobes, _ = self._seen
-        columns, rows = frame_places(self._whole, points.pixel)
         layers = develop_points(
             self._job.scene,
             self._job.light.lookup,
-            PlacedPoints(points, lobes, places_in(self.rect, columns, rows)),
+            PlacedPoints(points, lobes, self._places),
             self._missed,
             self._sums,
             self.rect[2:],
@@ -83,8 +83,7 @@ class CenterTile:
     def counts(self) -> TileCounts:
         """See TileWork."""
         self._look()
-        columns, rows = frame_places(self._whole, self._seen.points.pixel)
-        count = self._sums.count[places_in(self.rect, columns, rows) >= 0]
+        count = self._sums.count[self._places >= 0]
         return TileCounts(
             len(count), int(count.sum()), int(count.max(initial=0)), self._traced, self._primary
         )
@@ -102,9 +101,9 @@ class CenterTile:
         self._bounds = cell_bounds(points, ends)
         missed = np.ones(len(pixel), np.bool_)
         missed[points.pixel] = False
-        self._missed = MissedRays(
-            places_in(self.rect, columns[missed], rows[missed]), directions[missed]
-        )
+        places = places_in(self.rect, columns, rows)
+        self._places = places[points.pixel]
+        self._missed = MissedRays(places[missed], directions[missed])
         self._seen = with_lobes(scene, points._replace(pixel=pixel[points.pixel]))
         if self._sums is None:
             self._sums = new_sums(len(points.pixel))

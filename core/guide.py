@@ -22,7 +22,7 @@ from .pyramid import level_offset
 
 _TRUST = np.float32(8.0)
 _LEAST = np.float32(0.05)  # gain: nothing is given up, and no sample is 20 times too bright
-_FIRST, _FACTOR = 8, 4  # learn at 8 samples of a point, 32, 128 ...
+_FIRST, _FACTOR = 2, 4  # learn at 2 samples of a point, 8, 32, 128 ...
 _FULL = np.uint16(65535)
 
 

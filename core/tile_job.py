@@ -7,12 +7,13 @@ it keeps sums; rays, points and products are made anew.
 from __future__ import annotations
 
 import dataclasses
+import threading
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from .accel import Accel
-from .block_loop import Places, continue_blocks, new_room
+from .block_loop import Places, Room, continue_blocks, new_room
 from .camera import planar_depth
 from .film import Tile
 from .guide import Guides
@@ -32,6 +33,7 @@ from .watch import StopFlag
 
 # Points that are sampled together where rays are written: a batch is long enough for Embree.
 _RAY_POINTS = 256
+_kept = threading.local()
 
 
 @dataclasses.dataclass(frozen=True, slots=True, eq=False)
@@ -173,11 +175,20 @@ def frame_places(rect: Rect, pixel: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 def _add_by_products(job, seen, places, sequence, sums, bounds, rule, guides) -> int:
     points, lobes, _ = seen
-    room = new_room(bool((lobes.kind > DIFFUSE_LOBE).any()))
+    room = _room(bool((lobes.kind > DIFFUSE_LOBE).any()))
     offset, traversal = np.float32(job.accel.offset), job.accel.traversal
     stop = job.stop.memory
     own = points, lobes, job.light, sequence, offset, traversal, rule, sums, room, stop
     return continue_blocks(bounds, guides, places, *own)
+
+
+def _room(glossy: bool) -> Room:
+    """This thread's scratch: fresh memory for every tile costs as much as a sample a pixel."""
+    rooms = vars(_kept)
+    name = "glossy" if glossy else "matte"
+    if name not in rooms:
+        rooms[name] = new_room(glossy)
+    return rooms[name]
 
 
 def _add_by_rays(job, seen, places, sequence, sums, bounds, rule, _) -> int:

@@ -69,13 +69,13 @@ def test_the_second_lesson_scales_by_what_is_new():
     assert guides.gain.max() < 0.5 and guides.learnt[0] == 32
 
 
-def test_lessons_are_at_8_32_128():
+def test_lessons_are_at_2_8_32():
     """Each costs as much as a few rays of every point."""
     guides, found = new_guides(1), []
     for _ in range(4):
         found.append(int(next_lesson(guides)))
         guides.learnt[0] = found[-1]
-    assert found == [8, 32, 128, 512]
+    assert found == [2, 8, 32, 128]
 
 
 def test_rays_are_noted_by_cell():
