@@ -89,7 +89,7 @@ class Places(NamedTuple):
     material: np.ndarray
 
 
-@kernel
+@kernel(inline="always")
 def _points_at(points, a, b):
     return ShadingPoints(
         points.pixel[a:b],
@@ -103,7 +103,7 @@ def _points_at(points, a, b):
     )
 
 
-@kernel
+@kernel(inline="always")
 def _lobes_at(lobes, a, b):
     return Lobes(
         lobes.kind[a:b],
@@ -125,7 +125,7 @@ def _lobes_at(lobes, a, b):
     )
 
 
-@kernel
+@kernel(inline="always")
 def _sums_at(sums, a, b):
     return PixelSums(
         sums.count[a:b],
@@ -139,7 +139,7 @@ def _sums_at(sums, a, b):
     )
 
 
-@kernel
+@kernel(inline="always")
 def _take_piece(task, n_active, first, end, traversal, sums, room, stop):
     """Samples first ... end - 1 of the active points that want them; how many had a ray."""
     active, wanted, some, counts = room.active, room.wanted, room.some, room.counts
@@ -161,7 +161,7 @@ def _take_piece(task, n_active, first, end, traversal, sums, room, stop):
     return traced
 
 
-@kernel
+@kernel(inline="always")
 def _take_round(task, n_active, first, end, traversal, sums, room, stop):
     """The same for a whole round, with the guide's lessons in between."""
     traced, guide, wanted = 0, task.guide, room.wanted
@@ -179,7 +179,7 @@ def _take_round(task, n_active, first, end, traversal, sums, room, stop):
     return traced
 
 
-@kernel
+@kernel(inline="always")
 def _continue_block(task, traversal, rule, neighbours, sums, room, stop):
     """incremental.continue_points for one block; how many samples had a ray."""
     n = len(sums.count)
@@ -199,7 +199,7 @@ def _continue_block(task, traversal, rule, neighbours, sums, room, stop):
     return traced
 
 
-@kernel
+@kernel(inline="always")
 def _prepare_products(task, scratch):
     """Build the products of a block, as its guide wants them."""
     build_products(task.lobes, task.light, task.products, scratch)

@@ -103,7 +103,7 @@ def bsdf_share(follow, kind):
     return min(max(np.float64(follow), _DEFENSIVE), most)
 
 
-@kernel
+@kernel(inline="always")
 def build_products(lobes, light, products, scratch):
     """Fill the products of all points of lobes."""
     averages, levels = light.pyramid.averages, light.pyramid.levels
@@ -111,7 +111,7 @@ def build_products(lobes, light, products, scratch):
         build_product(lobes, p, light.cells, averages, levels, products, scratch)
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def _fill_lanes(task, p, first, last, work, n):
     """Put samples first ... last - 1 of point p into the lanes from n on."""
     lanes, bits, sequence = work.lanes, work.bits, task.sequence
@@ -165,7 +165,7 @@ def _follow_lobes(task, work, n_follows):
         numbers[DX + s], numbers[DY + s], numbers[DZ + s], numbers[PDF + s] = wx, wy, wz, pdf
 
 
-@kernel
+@kernel(inline="always")
 def _finish_lanes(task, cut, work, n):
     """From numbers in lanes 0 ... n - 1 to directions and what these would bring."""
     light, lanes, numbers = task.light, work.lanes, work.lanes.numbers
@@ -175,7 +175,7 @@ def _finish_lanes(task, cut, work, n):
     _follow_lobes(task, work, n_follows)
     fill_map_coordinates(light.lookup, lanes, n)
     fill_radiance(light.lookup, lanes, n)
-    s = 0
+    s = np.int64(0)
     while s < n:
         p, end = lanes.point[s], s + 1
         while end < n and lanes.point[end] == p:
@@ -201,14 +201,12 @@ def _write_rays(lanes, n, rays, m):
     return m
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def _use_lanes(task, cut, work, n, traversal, sums, rays, m):
     """Trace lanes 0 ... n - 1 and add them to the sums; or write them as rays, if these are wanted.
 
     Returns m and the number of rays.
     """
-    if n == 0:
-        return m
     _finish_lanes(task, cut, work, n)
     if len(rays.point) > 0:
         return _write_rays(work.lanes, n, rays, m)
@@ -227,17 +225,21 @@ def take_samples(task, work, active, n_active, first, counts, traversal, sums, r
     rays: RayBatch; where it has room, the rays are written there instead, and nothing is traced.
     Lanes are filled over the borders of points, but not by points with and without blocks.
     """
-    m, n, cut = 0, 0, False
-    for a in range(n_active):
-        p, k, last = active[a], first, first + counts[a]
-        while k < last:
-            if n == LANES or (task.products.blocks[p] > 0) != cut:
-                m = _use_lanes(task, cut, work, n, traversal, sums, rays, m)
-                n, cut = 0, task.products.blocks[p] > 0
-            take = min(last - k, LANES - n)
-            _fill_lanes(task, p, k, k + take, work, n)
-            n, k = n + take, k + take
-    return _use_lanes(task, cut, work, n, traversal, sums, rays, m)
+    # Numbers of a type that is known: for literals, kernels are compiled once more.
+    m, n, a, k, cut = np.int64(0), np.int64(0), np.int64(0), np.int64(first), n_active < 0
+    while a < n_active or n > 0:
+        p = active[min(a, n_active - 1)]
+        if n > 0 and (a == n_active or n == LANES or (task.products.blocks[p] > 0) != cut):
+            m = _use_lanes(task, cut, work, n, traversal, sums, rays, m)
+            n = np.int64(0)
+            continue
+        cut = task.products.blocks[p] > 0
+        take = min(first + counts[a] - k, LANES - n)
+        _fill_lanes(task, p, k, k + take, work, n)
+        n, k = n + take, k + take
+        if k == first + counts[a]:
+            a, k = a + 1, np.int64(first)
+    return m
 
 
 class UnbiasedSampler:

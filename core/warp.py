@@ -113,7 +113,7 @@ def _descend_blocks(products, light, scale, lanes, n):
     stride = products.links.shape[1]
     for s in range(n):
         lanes.block[s] = links[np.int64(lanes.point[s]) * stride + lanes.base[s]]
-    level = BASE_LEVEL
+    level = np.int64(BASE_LEVEL)
     while level < DEEPEST_LEVEL:
         _step_to(level + 1, SUMS_BEGIN, trees, light, lanes, n)
         _step_to(level + 2, BLOCK_BEGIN, trees, light, lanes, n)
