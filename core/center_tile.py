@@ -13,7 +13,8 @@ from .film import Tile
 from .guide import Guides, new_guides
 from .incremental import PixelSums, new_sums
 from .neighbours import CELL_PX, cell_order
-from .stop_rule import stop_rule
+from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
+from .stop_rule import Rule, perceptual_rule, spread_of, stop_rule
 from .tile_job import (
     Job,
     Rect,
@@ -39,7 +40,7 @@ class CenterTile:
         self._job, self.rect = job, rect
         settings = job.settings
         self._learns = settings.estimator == "UNBIASED"
-        alone = settings.stop_rule != "PERCEPTUAL" and not self._learns
+        alone = settings.stop_rule not in ("PERCEPTUAL", "BUDGET") and not self._learns
         self._whole = rect if alone else whole_cells(rect, job.scene.camera)
         self._sums: PixelSums | None = None
         self._seen: SeenPoints | None = None
@@ -51,15 +52,33 @@ class CenterTile:
 
     def advance(self, samples: int) -> bool:
         """See TileWork."""
-        self._look()
         settings = self._job.settings
-        rule = stop_rule(
-            dataclasses.replace(settings, max_samples=min(samples, settings.max_samples))
-        )
-        self._traced += add_samples(
-            self._job, self._seen, self._whole, self._sums, self._bounds, rule, self._guides
-        )
+        most = min(samples, settings.max_samples)
+        self._add(stop_rule(dataclasses.replace(settings, max_samples=most)))
         return samples >= settings.max_samples or self._sums.count.max(initial=0) < samples
+
+    def look(self, typical: float, most: int) -> None:
+        """See TileWork."""
+        self._add(perceptual_rule(typical, most))
+
+    def demand(self, typical: float) -> Demand:
+        """See TileWork: of the points, in the order of their cells."""
+        self._look()
+        counted = (self._places >= 0) & (self._sums.count > 0)
+        columns, rows = frame_places(self._whole, self._seen.points.pixel)
+        return Demand(
+            power=powers(spread_of(self._sums)),
+            least=np.zeros(len(counted), np.float32),
+            taken=self._sums.count.copy(),
+            share=np.where(counted, WHOLE_SHARE, 0).astype(np.int32),
+            dither=dither_of(columns, rows),
+            grain=0,
+            shaded=int((self._places >= 0).sum()),
+        )
+
+    def go_to(self, counts: np.ndarray, typical: float) -> None:
+        """See TileWork."""
+        self._add(perceptual_rule(typical, self._job.settings.max_samples, counts))
 
     def develop(self) -> Tile:
         """See TileWork."""
@@ -87,6 +106,11 @@ class CenterTile:
         return TileCounts(
             len(count), int(count.sum()), int(count.max(initial=0)), self._traced, self._primary
         )
+
+    def _add(self, rule: Rule) -> None:
+        self._look()
+        own = self._seen, self._whole, self._sums, self._bounds
+        self._traced += add_samples(self._job, *own, rule, self._guides)
 
     def _look(self) -> None:
         """Have the points that the pixels' centres see, in the order of their cells."""

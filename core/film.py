@@ -45,7 +45,10 @@ class Tile(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far a render is: phase is one of 'tables', 'bvh', 'sampling'; fraction of that phase."""
+    """How far a render is: phase is one of 'tables', 'bvh', 'sampling'; fraction of that phase.
+
+    remaining: seconds to go, where they are known (a time limit); else the fraction tells
+    """
 
     phase: str
     fraction: float
@@ -53,6 +56,7 @@ class Progress:
     tiles_total: int = 0
     samples: int = 0  # shadow rays so far
     text: str = ""
+    remaining: float | None = None
 
 
 class TileSink(Protocol):

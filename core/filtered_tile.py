@@ -21,8 +21,9 @@ from .incremental import PixelSums, new_sums
 from .neighbours import cell_order
 from .pass_sums import PassSums, add_background, add_seen, close_pass, fill_spreads, new_pass_sums
 from .pixel_filter import filter_offsets, unit_points
+from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .shading import ShadingPoints
-from .stop_rule import paper_rule, plan_counts, typical_count
+from .stop_rule import FLOOR, paper_rule, plan_counts, threshold_of, typical_count
 from .tile_job import (
     Job,
     Rect,
@@ -35,13 +36,18 @@ from .tile_job import (
 )
 
 _PILOT, _SILHOUETTE = 4, 1.2
-_DARK_FLOOR = 0.2  # of PERCEPTUAL, as in stop_rule.py
 _WORLD, _NO_OBJECT = np.int32(-1), np.int32(0x7FFFFFFF)
 
 
 def samples_of_a_pass(settings) -> int:
-    """Shadow rays of one shading point: n, or less where MAX would leave no _PILOT passes."""
-    return max(1, min(settings.batch_size, settings.max_samples // _PILOT))
+    """Shadow rays of one shading point: n, or less where MAX would leave no _PILOT passes.
+
+    A budget with a target takes half of it for the pilot at the most.
+    """
+    most = settings.max_samples
+    if settings.stop_rule == "BUDGET" and settings.target_samples:
+        most = min(most, settings.target_samples // 2)
+    return max(1, min(settings.batch_size, most // _PILOT))
 
 
 class FilteredTile:
@@ -58,7 +64,8 @@ class FilteredTile:
         self._around = Rect(whole.x - 1, whole.y - 1, whole.width + 2, whole.height + 2)
         self._n = n = self._around.width * self._around.height
         self._sums = new_pass_sums(n)
-        self._active, self._cell = self._cells(whole)
+        self._pixels, self._cell = self._cells(whole)
+        self._active = self._pixels
         learns = job.settings.estimator == "UNBIASED"
         self._n_cells = int(self._cell.max()) + 1
         self._guides = new_guides(self._n_cells if learns else 0)
@@ -75,6 +82,40 @@ class FilteredTile:
             self._take_pass(min(n, settings.max_samples - self._passes * n))
             self._active = self._active[self._goes_on()]
         return not len(self._active) or self._passes * n >= settings.max_samples
+
+    def look(self, typical: float, most: int) -> None:
+        """See TileWork: _PILOT passes at the most, the same for all; ``typical`` is not asked."""
+        passes = max(1, min(_PILOT, most // samples_of_a_pass(self._job.settings)))
+        self._take_passes(np.full(self._n, passes, np.int32))
+
+    def demand(self, typical: float) -> Demand:
+        """See TileWork: of all pixels of the tile's cells, cell by cell."""
+        n, pixels, sums = samples_of_a_pass(self._job.settings), self._pixels, self._sums
+        spread, passes = np.empty(len(pixels), np.float32), np.maximum(sums.passes[pixels], 1)
+        transparent = self._job.scene.transparent_film
+        fill_spreads(pixels, n, FLOOR / typical, transparent, sums, spread)
+        near = self._near_silhouette()[pixels]
+        edge = np.float32(n * _SILHOUETTE / threshold_of(1.0))
+        rows, columns = np.divmod(pixels, self._around.width)
+        counted = np.zeros(self._n, np.bool_)
+        counted[self._inside(self.rect)] = True
+        counted = counted[pixels]
+        share = sums.count[pixels].astype(np.int64) * WHOLE_SHARE // (passes * n)
+        return Demand(
+            power=powers(spread),
+            least=np.where(near, edge, np.float32(0.0)),
+            taken=sums.passes[pixels] * np.int32(n),
+            share=np.where(counted, share, 0).astype(np.int32),
+            dither=dither_of(columns + self._around.x, rows + self._around.y),
+            grain=n,
+            shaded=int((counted & (sums.hits[pixels] > 0)).sum()),
+        )
+
+    def go_to(self, counts: np.ndarray, typical: float) -> None:
+        """See TileWork."""
+        passes = np.zeros(self._n, np.int32)
+        passes[self._pixels] = -(-counts // samples_of_a_pass(self._job.settings))
+        self._take_passes(passes)
 
     def develop(self) -> Tile:
         """See TileWork."""
@@ -99,6 +140,19 @@ class FilteredTile:
         return TileCounts(
             int((hits > 0).sum()), int(count.sum()), int(count.max()), self._traced, self._primary
         )
+
+    def _take_passes(self, wanted: np.ndarray) -> None:
+        """Take the pixels on to as many passes as ``wanted``, int32 (n,), says of each."""
+        settings, pixels = self._job.settings, self._pixels
+        n = samples_of_a_pass(settings)
+        while not self._job.stop.is_set():
+            behind = pixels[self._sums.passes[pixels] < wanted[pixels]]
+            if not len(behind):
+                break
+            passes = self._sums.passes[behind]
+            self._passes = int(passes.min())
+            self._active = behind[passes == self._passes]
+            self._take_pass(min(n, settings.max_samples - self._passes * n))
 
     def _take_pass(self, count: int) -> None:
         """One more shading point with ``count`` samples for each active pixel."""
@@ -188,7 +242,7 @@ class FilteredTile:
         n = samples_of_a_pass(self._job.settings)
         spread = np.empty(len(self._active), np.float32)
         transparent = self._job.scene.transparent_film
-        fill_spreads(self._active, n, _DARK_FLOOR / typical, transparent, self._sums, spread)
+        fill_spreads(self._active, n, FLOOR / typical, transparent, self._sums, spread)
         taken = np.full(len(spread), self._passes * n, np.int32)
         return plan_counts(spread, taken, typical, self._job.settings.max_samples) > taken
 

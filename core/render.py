@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import queue
-import threading
 
+from .budget import BudgetRender
 from .center_tile import CenterTile
-from .film import Progress, Tile, TileSink
+from .film import Progress, TileSink
 from .filtered_tile import FilteredTile
 from .light_rays import Light
 from .paper_tables import PaperTables
@@ -21,8 +20,10 @@ from .scene import Scene
 from .sequence import common_points
 from .settings import RenderSettings
 from .stats import RenderStats
-from .tile_job import Job, Rect, TileCounts
-from .watch import POLL_SECONDS, Cancelled, StopFlag, watched
+from .tile_job import Job, Rect, TileWork
+from .tile_pool import run_pool
+from .warm_up import warm_up
+from .watch import Cancelled, StopFlag, watched
 
 
 def render(
@@ -49,8 +50,11 @@ def render(
         return stats
     sequence = common_points(settings.max_samples, settings.point_set)
     job = Job(scene, settings, accel, light, tables, sequence, stop)
-    with stats.phase("sampling"):
-        _render_tiles(job, threads, sink, stats)
+    if settings.stop_rule == "BUDGET":
+        _render_budget(job, threads, sink, stats)
+    else:
+        with stats.phase("sampling"):
+            _render_tiles(job, threads, sink, stats)
     return stats
 
 
@@ -115,73 +119,39 @@ def tile_rects(region: tuple[int, int, int, int], tile_px: int) -> list[Rect]:
 
 def _render_tiles(job: Job, threads: int, sink: TileSink, stats: RenderStats) -> None:
     rects = tile_rects(job.scene.camera.region, job.settings.tile_px)
-    waiting: queue.SimpleQueue = queue.SimpleQueue()
-    for rect in rects:
-        waiting.put(rect)
-    finished: queue.SimpleQueue = queue.SimpleQueue()
-    workers = [
-        threading.Thread(target=_work, args=(job, waiting, finished), name=f"iwis-{k}", daemon=True)
-        for k in range(min(threads, len(rects)))
-    ]
-    for worker in workers:
-        worker.start()
-    try:
-        _collect(job, workers, finished, len(rects), sink, stats)
-    finally:
-        job.stop.set()
-        for worker in workers:
-            worker.join()
 
+    def work(rect):
+        tile = make_tile(job, rect)
+        tile.advance(job.settings.max_samples)
+        return tile.develop(), tile.counts()
 
-def _work(job: Job, waiting, finished) -> None:
-    try:
-        while not job.stop.is_set():
-            finished.put(_render_tile(job, waiting.get_nowait()))
-    except queue.Empty:
-        pass
-    except BaseException as error:  # raised again in the caller's thread
-        finished.put(error)
-
-
-def _collect(job, workers, finished, n_tiles, sink, stats) -> None:
-    """Hand finished tiles to the sink until all are there, a worker fails or the sink cancels."""
     done = 0
-    while done < n_tiles:
-        if not stats.cancelled and sink.cancelled():
-            stats.cancelled = True
-            job.stop.set()
-        alive = any(worker.is_alive() for worker in workers)
-        try:
-            result = finished.get(timeout=POLL_SECONDS)
-        except queue.Empty:
-            if not alive:
-                return
-            continue
-        if isinstance(result, BaseException):
-            raise result
+
+    def take(result):
+        nonlocal done
         tile, counts = result
         done += 1
-        stats.shaded_pixels += counts.shaded
-        stats.samples_total += counts.samples
-        stats.samples_max = max(stats.samples_max, counts.samples_max)
-        stats.shadow_rays += counts.shadow_rays
-        stats.primary_rays += counts.primary_rays
+        stats.add_tile(counts)
         with stats.phase("output"):
             sink.write_tile(tile)
-            sink.progress(
-                Progress(
-                    phase="sampling",
-                    fraction=done / n_tiles,
-                    tiles_done=done,
-                    tiles_total=n_tiles,
-                    samples=stats.samples_total,
-                )
-            )
+            n = len(rects)
+            sink.progress(Progress("sampling", done / n, done, n, stats.samples_total))
+
+    stats.cancelled = run_pool(rects, threads, work, take, sink.cancelled, job.stop)
 
 
-def _render_tile(job: Job, rect: Rect) -> tuple[Tile, TileCounts]:
-    work = (
-        FilteredTile(job, rect) if job.settings.pixel_filter != "CENTER" else CenterTile(job, rect)
-    )
-    work.advance(job.settings.max_samples)
-    return work.develop(), work.counts()
+def _render_budget(job: Job, threads: int, sink: TileSink, stats: RenderStats) -> None:
+    rects = tile_rects(job.scene.camera.region, job.settings.tile_px)
+    tiles = [make_tile(job, rect) for rect in rects]
+    if job.settings.time_limit:
+        with stats.phase("tables"):
+            watched(lambda _: warm_up(job, make_tile), sink, job.stop, "tables")
+    stats.cancelled = job.stop.is_set()
+    if not stats.cancelled:
+        with stats.phase("sampling"):
+            BudgetRender(job, tiles, threads, sink, stats).run()
+
+
+def make_tile(job: Job, rect: Rect) -> TileWork:
+    """The work at a tile, as the pixel filter has it."""
+    return (CenterTile if job.settings.pixel_filter == "CENTER" else FilteredTile)(job, rect)

@@ -6,7 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 
 ESTIMATORS = ("PAPER", "UNBIASED")
-STOP_RULES = ("PERCEPTUAL", "PAPER", "FIXED")
+STOP_RULES = ("PERCEPTUAL", "PAPER", "FIXED", "BUDGET")
 PIXEL_FILTERS = ("CENTER", "BOX", "BLACKMAN_HARRIS")
 DECORRELATIONS = ("OWEN", "PIXEL", "NONE")
 
@@ -14,6 +14,8 @@ DECORRELATIONS = ("OWEN", "PIXEL", "NONE")
 LIMITS = {
     "error_threshold": (0.0, 10.0),
     "max_samples": (1, 1 << 20),
+    "target_samples": (0, 1 << 20),
+    "time_limit": (0.0, 1e7),
     "batch_size": (1, 1024),
     "coefficients": (0.001, 1.0),
     "seed": (0, (1 << 31) - 1),
@@ -41,7 +43,11 @@ class RenderSettings:
     batch_size: n, Halton points a round
     estimator: PAPER (I_s K / N from the tables) or UNBIASED (each sample weighted by L B / pdf)
     stop_rule: PERCEPTUAL (samples where they lower the mean relative error most), PAPER
-        (e_d <= E) or FIXED (max_samples everywhere)
+        (e_d <= E), FIXED (max_samples everywhere) or BUDGET (shared out as PERCEPTUAL does, but so
+        that target_samples or time_limit is used up, whichever is sooner; E is not asked)
+    target_samples: BUDGET: the mean count of the pixels that show an object; 0: none is set
+    time_limit: BUDGET: seconds of sampling, all that is before it (export, light, BVH, kernels)
+        not counted, as Cycles means it; 0: none is set
     coefficients: fraction of the Haar coefficients that the paper's tables keep
     pixel_filter: CENTER, one shading point at the pixel's centre; BOX or BLACKMAN_HARRIS, several,
         each with n samples, spread as Cycles' filter of that name weighs
@@ -57,12 +63,14 @@ class RenderSettings:
     """
 
     error_threshold: float = 0.1
-    max_samples: int = 100
+    max_samples: int = 256
+    target_samples: int = 64
+    time_limit: float = 0.0
     batch_size: int = 8
     estimator: str = "UNBIASED"
     stop_rule: str = "PERCEPTUAL"
     coefficients: float = 0.05
-    pixel_filter: str = "CENTER"
+    pixel_filter: str = "BLACKMAN_HARRIS"
     filter_width: float = 1.5
     decorrelation: str = "OWEN"
     seed: int = 0
@@ -82,6 +90,8 @@ class RenderSettings:
             value = getattr(self, name)
             if value not in choices:
                 raise ValueError(f"setting {name}: {value!r} is none of {', '.join(choices)}")
+        if self.stop_rule == "BUDGET" and not (self.target_samples or self.time_limit):
+            raise ValueError("setting stop_rule: BUDGET needs target_samples or time_limit above 0")
 
     @property
     def point_set(self) -> str:

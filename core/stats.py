@@ -14,6 +14,7 @@ PHASES = ("export", "tables", "bvh", "sampling", "output")
 class RenderStats:
     """Filled in by whoever does a phase; read by the command line, the panel and benchmarks.
 
+    ended_by: what ended a BUDGET: target_samples, time_limit or max_samples; empty: another rule
     tables: what wavelet tables were built, with size and time; none where all were kept
     seconds, cpu_seconds: phase -> wall and user + system time of the process
     """
@@ -27,10 +28,19 @@ class RenderStats:
     shadow_rays: int = 0
     triangles: int = 0
     cancelled: bool = False
+    ended_by: str = ""
     warnings: list[str] = field(default_factory=list)
     tables: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PHASES, 0.0))
     cpu_seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PHASES, 0.0))
+
+    def add_tile(self, counts) -> None:
+        """Add what a tile has cost. counts: tile_job.TileCounts"""
+        self.shaded_pixels += counts.shaded
+        self.samples_total += counts.samples
+        self.samples_max = max(self.samples_max, counts.samples_max)
+        self.shadow_rays += counts.shadow_rays
+        self.primary_rays += counts.primary_rays
 
     @property
     def samples_mean(self) -> float:
@@ -65,6 +75,7 @@ class RenderStats:
             "cpu_seconds": dict(self.cpu_seconds),
             "peak_memory_bytes": peak_memory_bytes(),
             "cancelled": self.cancelled,
+            "ended_by": self.ended_by,
             "warnings": list(self.warnings),
             "tables": list(self.tables),
         }

@@ -14,6 +14,7 @@ would hardly see. docs/decisions/0011-perceptual-rule.md has the figures.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -24,13 +25,26 @@ from .settings import RenderSettings
 
 # Squared error of Sobol's or Halton's points over that of independent samples, at E = .1.
 _CONVERGENCE = 0.45
-_EXPONENT, _FLOOR = 0.75, 0.2
+EXPONENT, FLOOR = 0.75, 0.2
 FIRST_COUNT = 8
 
 
 def typical_count(error_threshold: float) -> float:
     """T of a threshold above 0: what a pixel with half of its light hidden (r = 1) wants."""
     return _CONVERGENCE / (error_threshold * error_threshold)
+
+
+def threshold_of(typical: float) -> float:
+    """E of a T: the inverse of typical_count."""
+    return math.sqrt(_CONVERGENCE / typical)
+
+
+def spread_of(sums) -> np.ndarray:
+    """r, float32 (n,), that finish_rule has written as the error of points; 0 without samples."""
+    count = np.maximum(sums.count, 1)
+    return np.where(sums.count > 0, sums.error * np.sqrt(count / _CONVERGENCE), 0.0).astype(
+        np.float32
+    )
 
 
 @kernel(forceinline=True)
@@ -62,7 +76,7 @@ def _end_at(wanted, least, most):
 @kernel
 def _plan(spread, taken, typical, most, planned):
     for p in range(len(planned)):
-        exact = typical * np.float64(spread[p]) ** _EXPONENT
+        exact = typical * np.float64(spread[p]) ** EXPONENT
         planned[p] = _end_at(exact, np.int64(taken[p]), most)
 
 
@@ -74,38 +88,6 @@ def plan_counts(spread: np.ndarray, taken: np.ndarray, typical: float, most: int
     planned = np.empty(len(spread), np.int32)
     _plan(spread, taken, typical, most, planned)
     return planned
-
-
-@kernel
-def _total_planned(powers, typical, least, most):
-    total = 0
-    for p in range(len(powers)):
-        total += _end_at(typical * powers[p], np.int64(least[p]), most)
-    return total
-
-
-def typical_for_mean(spread: np.ndarray, taken: np.ndarray, target: float, most: int) -> float:
-    """T whose planned counts have the mean ``target``; the nearest there is below, or the least.
-
-    spread: float32 (n,), r of all shaded pixels of a frame after a pilot; taken: int32 (n,), their
-    samples so far; most: max_samples
-    """
-    powers = spread.astype(np.float64) ** _EXPONENT
-    low, high = 1e-6, 1e12
-    if _total_planned(powers, high, taken, most) <= target * len(spread):
-        return high
-    for _ in range(60):
-        middle = float(np.sqrt(low * high))
-        if _total_planned(powers, middle, taken, most) <= target * len(spread):
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-def mean_in_time(mean: float, seconds: float, seconds_left: float) -> float:
-    """The mean count that ``seconds_left`` more allow, when ``mean`` has taken ``seconds``."""
-    return mean * (1.0 + max(seconds_left, 0.0) / seconds)
 
 
 @kernel
@@ -162,10 +144,10 @@ def new_rule_room(n: int) -> RuleRoom:
 def _plan_points(rule, neighbours, sums, room, n, wanted):
     """Set ``wanted`` of the n points in room.points by their spread."""
     points, spread = room.points, room.spread
-    floor = _FLOOR / rule.typical
+    floor = FLOOR / rule.typical
     pool_spread(points, n, sums, neighbours, floor, room.totals, room.scatter, spread)
     for i in range(n):
-        exact = rule.typical * np.float64(spread[i]) ** _EXPONENT
+        exact = rule.typical * np.float64(spread[i]) ** EXPONENT
         wanted[points[i]] = _end_at(exact, np.int64(sums.count[points[i]]), rule.most)
 
 
@@ -233,7 +215,7 @@ def finish_rule(rule, neighbours, sums, room):
         if sums.count[p] > 0:
             room.points[n] = p
             n += 1
-    floor, spread = _FLOOR / rule.typical, room.spread
+    floor, spread = FLOOR / rule.typical, room.spread
     pool_spread(room.points, n, sums, neighbours, floor, room.totals, room.scatter, spread)
     for i in range(n):
         p = room.points[i]
@@ -256,7 +238,7 @@ def perceptual_rule(typical: float, most: int, plan: np.ndarray | None = None) -
 
 
 def stop_rule(settings: RenderSettings) -> Rule:
-    """The rule that the settings name."""
+    """The rule that the settings name; BUDGET, where nobody plans it, is PERCEPTUAL."""
     threshold, most = settings.error_threshold, settings.max_samples
     # e_d is 0 where all samples were seen: E = 0 must not stop there.
     if settings.stop_rule == "FIXED" or threshold == 0.0:

@@ -23,6 +23,7 @@ from .lobes import DIFFUSE_LOBE, Lobes, setup_lobes
 from .neighbours import CELL_PX, find_neighbours
 from .paper import PaperSampler
 from .paper_tables import PaperTables
+from .sample_plan import Demand
 from .scene import Camera, Scene
 from .sequence import pixel_sequence
 from .settings import RenderSettings
@@ -69,12 +70,24 @@ class TileCounts(NamedTuple):
 
 
 class TileWork(Protocol):
-    """The work at one tile, with all that is known of it so far."""
+    """The work at one tile, with all that is known of it so far.
+
+    A tile is taken on by ``advance``, or, where there is a budget, by ``look`` and ``go_to``.
+    """
 
     rect: Rect
 
     def advance(self, samples: int) -> bool:
         """Take every pixel on until it is done or has ``samples``: whether all are done."""
+
+    def look(self, typical: float, most: int) -> None:
+        """Take each pixel's first samples for a budget: at most ``most``, T = ``typical``."""
+
+    def demand(self, typical: float) -> Demand:
+        """What the pixels ask of a budget, of which they would get T = ``typical``."""
+
+    def go_to(self, counts: np.ndarray, typical: float) -> None:
+        """Take every pixel of the demand on to its count, int32: of planned_counts for T."""
 
     def develop(self) -> Tile:
         """The layers as they are now."""

@@ -101,9 +101,13 @@ class IWIS_PT_sampling(_IWISPanel, bpy.types.Panel):
         layout, iwis = self.split_layout(), context.scene.iwis
         layout.prop(iwis, "stop_rule")
         column = layout.column(align=True)
-        row = column.row()
-        row.active = iwis.stop_rule != "FIXED"
-        row.prop(iwis, "error_threshold")
+        if iwis.stop_rule == "BUDGET":
+            column.prop(iwis, "target_samples")
+            column.prop(iwis, "time_limit")
+        else:
+            row = column.row()
+            row.active = iwis.stop_rule != "FIXED"
+            row.prop(iwis, "error_threshold")
         column.prop(iwis, "max_samples")
 
 

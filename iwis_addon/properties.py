@@ -15,6 +15,7 @@ _CHOICE_TEXTS = {
     "PAPER": ("Paper", "As printed in the paper"),
     "PERCEPTUAL": ("Perceptual", "Samples go where they lower the visible error most"),
     "FIXED": ("Fixed", "Every pixel takes Max Samples"),
+    "BUDGET": ("Budget", "As Perceptual, until a mean count or a time is used up"),
     "CENTER": ("Center", "One shading point, at the pixel's center: no anti-aliasing"),
     "BOX": ("Box", "Box filter, one pixel wide"),
     "BLACKMAN_HARRIS": ("Blackman-Harris", "Blackman-Harris filter, as Cycles has it by default"),
@@ -64,6 +65,23 @@ class IWISSceneProperties(bpy.types.PropertyGroup):
             name="Max Samples",
             description="The most shadow rays that one pixel may take",
             soft_max=4096,
+        )
+    )
+    target_samples: IntProperty(
+        **_number(
+            "target_samples",
+            name="Target Samples",
+            description="The mean count of the pixels that show an object; 0 sets none",
+            soft_max=4096,
+        )
+    )
+    time_limit: FloatProperty(
+        **_number(
+            "time_limit",
+            name="Time Limit",
+            description="Seconds that sampling may take; 0 sets none",
+            unit="TIME_ABSOLUTE",
+            soft_max=3600.0,
         )
     )
     batch_size: IntProperty(

@@ -1,0 +1,73 @@
+"""Work in threads, results on the caller's thread, which also asks whether to stop.
+
+Workers never call the sink: Blender's data is touched by one thread only.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+
+from .watch import POLL_SECONDS
+
+
+def run_pool(items, threads: int, work, take, cancelled, stop) -> bool:
+    """Call take(work(item)) for every item: whether ``cancelled`` said stop before the end.
+
+    work: called by one of ``threads`` workers, in the order of items; take: by the caller's thread.
+    cancelled: asked every POLL_SECONDS; then ``stop`` is set, no further item is begun, and what is
+    in work is taken as it comes. stop: also for the workers to look at; set while an error is
+    raised here, a worker's or one of take's.
+    """
+    waiting: queue.SimpleQueue = queue.SimpleQueue()
+    for item in items:
+        waiting.put(item)
+    n = waiting.qsize()
+    finished: queue.SimpleQueue = queue.SimpleQueue()
+    workers = [
+        threading.Thread(target=_work, args=(waiting, work, finished, stop), daemon=True)
+        for _ in range(min(threads, n))
+    ]
+    for k, worker in enumerate(workers):
+        worker.name = f"iwis-{k}"
+        worker.start()
+    done = False
+    try:
+        was_cancelled = _collect(n, workers, finished, take, cancelled, stop)
+        done = True
+    finally:
+        if not done:
+            stop.set()
+        for worker in workers:
+            worker.join()
+    return was_cancelled
+
+
+def _work(waiting, work, finished, stop) -> None:
+    try:
+        while not stop.is_set():
+            finished.put(work(waiting.get_nowait()))
+    except queue.Empty:
+        pass
+    except BaseException as error:  # raised again in the caller's thread
+        finished.put(error)
+
+
+def _collect(n, workers, finished, take, cancelled, stop) -> bool:
+    was_cancelled, done = False, 0
+    while done < n:
+        if not was_cancelled and cancelled():
+            was_cancelled = True
+            stop.set()
+        alive = any(worker.is_alive() for worker in workers)
+        try:
+            result = finished.get(timeout=POLL_SECONDS)
+        except queue.Empty:
+            if not alive:
+                break
+            continue
+        if isinstance(result, BaseException):
+            raise result
+        take(result)
+        done += 1
+    return was_cancelled
