@@ -25,6 +25,9 @@ from .tile_pool import run_pool
 from .warm_up import warm_up
 from .watch import Cancelled, StopFlag, watched
 
+# Tiles under a thread's hands one after another; the last ones are waited for by all others.
+_TILES_A_THREAD, _LEAST_TILE = 8, 8
+
 
 def render(
     scene: Scene, settings: RenderSettings, sink: TileSink, cache: RenderCache | None = None
@@ -103,6 +106,15 @@ def _prepare_light(scene, settings, sink, cache, stop, stats) -> tuple[Light, Pa
     return watched(work, sink, stop, "tables") or (None, None)
 
 
+def tile_size(job: Job, threads: int) -> int:
+    """tile_px, or less where a picture would have too few tiles to keep all threads busy."""
+    x0, y0, x1, y1 = job.scene.camera.region
+    size = job.settings.tile_px
+    while size >= 2 * _LEAST_TILE and (x1 - x0) * (y1 - y0) < _TILES_A_THREAD * threads * size**2:
+        size //= 2
+    return size
+
+
 def tile_rects(region: tuple[int, int, int, int], tile_px: int) -> list[Rect]:
     """The tiles that cover a region, those at its centre first."""
     x0, y0, x1, y1 = region
@@ -118,7 +130,7 @@ def tile_rects(region: tuple[int, int, int, int], tile_px: int) -> list[Rect]:
 
 
 def _render_tiles(job: Job, threads: int, sink: TileSink, stats: RenderStats) -> None:
-    rects = tile_rects(job.scene.camera.region, job.settings.tile_px)
+    rects = tile_rects(job.scene.camera.region, tile_size(job, threads))
 
     def work(rect):
         tile = make_tile(job, rect)
@@ -141,7 +153,7 @@ def _render_tiles(job: Job, threads: int, sink: TileSink, stats: RenderStats) ->
 
 
 def _render_budget(job: Job, threads: int, sink: TileSink, stats: RenderStats) -> None:
-    rects = tile_rects(job.scene.camera.region, job.settings.tile_px)
+    rects = tile_rects(job.scene.camera.region, tile_size(job, threads))
     tiles = [make_tile(job, rect) for rect in rects]
     if job.settings.time_limit:
         with stats.phase("tables"):

@@ -58,7 +58,8 @@ class RenderSettings:
         it) or NONE (Halton's, as printed in the paper)
     seed: changes every scramble and shift
     threads: worker threads, 0 = as many as cores; never more than four a core
-    tile_px: side of a tile in pixels; pictures do not depend on it
+    tile_px: side of a tile in pixels at the most; pictures do not depend on it; multiples of 8
+        are the fastest
     cache_dir: folder of the tables; empty = the user's cache folder
     """
 
@@ -75,7 +76,7 @@ class RenderSettings:
     decorrelation: str = "OWEN"
     seed: int = 0
     threads: int = 0
-    tile_px: int = 32
+    tile_px: int = 64
     cache_dir: str = ""
 
     def __post_init__(self):

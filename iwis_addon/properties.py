@@ -138,7 +138,7 @@ class IWISSceneProperties(bpy.types.PropertyGroup):
         **_number(
             "tile_px",
             name="Tile Size",
-            description="Side of a tile in pixels; the picture does not depend on it",
+            description="Side of a tile in pixels at the most; the picture does not depend on it",
             subtype="PIXEL",
         )
     )

@@ -24,7 +24,7 @@ def test_defaults_are_those_documented():
         "decorrelation": "OWEN",
         "seed": 0,
         "threads": 0,
-        "tile_px": 32,
+        "tile_px": 64,
         "cache_dir": "",
     }
 
