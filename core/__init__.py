@@ -7,12 +7,12 @@ In the order of the data; a module imports only from groups with a smaller numbe
     microfacet, terminator, exr, embree_rays, lanes,
     pace
     camera, embree, albedo_tables, haar_forest,      2  rays, Embree, sparse Haar series
-    environment, shading, watch, neighbours
+    environment, shading, watch, neighbours, merl
     accel, lobes, pyramid, haar_product,             3  rays, materials at a point; light; products
     table_cache, sequence, stop_rule, tile_pool
     brdf, lobe_cells, product, tables, incremental,  4  the BSDF; light x BSDF; the paper's loop
     pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
-    sample_plan
+    sample_plan, measured
     product_build, warp, light_rays, paper_tables,   5  product sampling; the tables of a scene
     pass_sums, light_cells
     weigh, guide, paper_products, light_tree,        6  what samples bring, and teach; layers

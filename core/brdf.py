@@ -14,7 +14,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
-from .lobes import CONDUCTOR, CONDUCTOR_LOBE, DIELECTRIC, DIELECTRIC_LOBE, DIFFUSE_LOBE
+from .lobes import (
+    CONDUCTOR,
+    CONDUCTOR_LOBE,
+    DIELECTRIC,
+    DIELECTRIC_LOBE,
+    DIFFUSE_LOBE,
+    MEASURED_LOBE,
+)
+from .merl import eval_merl
 from .microfacet import (
     FOUR,
     HALF,
@@ -58,6 +66,9 @@ class LobesAt(NamedTuple):
     cos_o: np.float32
     seen: np.float32
     diffuse_share: np.float32
+    tint: tuple
+    table: int
+    tables: np.ndarray
 
 
 @kernel(forceinline=True)
@@ -90,6 +101,9 @@ def lobes_at(lobes, p):
         lobes.cos_o[p],
         lobes.seen[p],
         lobes.diffuse_share[p],
+        _row(lobes.tint, p),
+        lobes.table[p],
+        lobes.tables,
     )
 
 
@@ -125,6 +139,8 @@ def eval_at(at, wi_x, wi_y, wi_z):
     cos_i = _dot(at.glossy_normal, wi_x, wi_y, wi_z)
     if cos_i <= ZERO or cos_n <= ZERO:
         return dr, dg, db, ZERO, ZERO, ZERO
+    if at.kind & MEASURED_LOBE:
+        return _eval_measured(at, wi_x, wi_y, wi_z, cos_n, dr, dg, db)
 
     sin2, _, cos_h = _half_vector(at, wi_x, wi_y, wi_z)
     alpha2 = at.alpha * at.alpha
@@ -148,6 +164,15 @@ def eval_at(at, wi_x, wi_y, wi_z):
         gg += w[1] * _metal(f0[1], edge[1], s, t)
         gb += w[2] * _metal(f0[2], edge[2], s, t)
     return dr, dg, db, gr * scale, gg * scale, gb * scale
+
+
+@kernel
+def _eval_measured(at, wi_x, wi_y, wi_z, cos_n, dr, dg, db):
+    """eval_at of a table: as much of it as the Lambert lobe (dr, dg, db) has counts as diffuse."""
+    r, g, b = eval_merl(at.tables, at.table, at.glossy_normal, at.wo, (wi_x, wi_y, wi_z))
+    r, g, b = r * at.tint[0] * cos_n, g * at.tint[1] * cos_n, b * at.tint[2] * cos_n
+    dr, dg, db = min(dr, r), min(dg, g), min(db, b)
+    return dr, dg, db, r - dr, g - dg, b - db
 
 
 @kernel(forceinline=True)

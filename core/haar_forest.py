@@ -205,3 +205,14 @@ def join_forests(forests: list[HaarForest]) -> HaarForest:
         np.concatenate([forest.detail for forest in forests]),
         np.concatenate(children).astype(np.int32),
     )
+
+
+def with_channels(forest: HaarForest, channels: int) -> HaarForest:
+    """The forest with ``channels`` equal channels in place of its one, or as it is."""
+    if forest.slice_mean.shape[1] == channels:
+        return forest
+    wide = {
+        name: np.repeat(getattr(forest, name), channels, axis=-1)
+        for name in ("slice_mean", "mean", "detail")
+    }
+    return forest._replace(**wide)

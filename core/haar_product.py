@@ -7,6 +7,9 @@ Local Parseval: over a square Q of side 2^-l the product's mean is
 so only nodes that both trees have need sums; where one tree ends, the product is the other one
 times a constant [Ng04, section 5; docs/references.md]. The whole integral is S over all, plus the
 means' product. The light F has three channels; the walk for sampling weighs them to one number.
+The BRDF G has one channel, or three that go with the light's. Below the last common node only the
+factor that still varies is walked; the other one's colour there (one number without colour where
+G has one channel) does not change its weights.
 """
 
 from __future__ import annotations
@@ -55,15 +58,31 @@ def new_scratch() -> WalkScratch:
     )
 
 
+@kernel(forceinline=True)
+def _channel_step(brdf):
+    """0 where the BRDF has one channel for all of the light's, 1 where it has three."""
+    return brdf.slice_mean.shape[1] // 3
+
+
+@kernel(forceinline=True)
+def _product(light, brdf, own, weights):
+    """Sum of light x BRDF x weight over the channels of one number each."""
+    return (
+        light[0] * brdf[0] * weights[0]
+        + light[1] * brdf[own] * weights[1]
+        + light[2] * brdf[2 * own] * weights[2]
+    )
+
+
 @kernel
 def product_integral(light, light_slice, brdf, brdf_slice, stack, out):
     """Add to out (3,) the integral over the unit square of light x BRDF, per channel.
 
-    light: HaarForest of 3 channels; brdf: of 1; stack: int32 (2, MAX_COMMON) scratch
+    light: HaarForest of 3 channels; brdf: of 1 or 3; stack: int32 (2, MAX_COMMON) scratch
     """
-    factor = brdf.slice_mean[brdf_slice, 0]
+    own = _channel_step(brdf)
     for c in range(3):
-        out[c] += light.slice_mean[light_slice, c] * factor
+        out[c] += light.slice_mean[light_slice, c] * brdf.slice_mean[brdf_slice, c * own]
     if light.root[light_slice] < 0 or brdf.root[brdf_slice] < 0:
         return
     stack[0, 0], stack[1, 0] = light.root[light_slice], brdf.root[brdf_slice]
@@ -72,9 +91,8 @@ def product_integral(light, light_slice, brdf, brdf_slice, stack, out):
         n -= 1
         f, g = stack[0, n], stack[1, n]
         for t in range(3):
-            detail = brdf.detail[g, t, 0]
             for c in range(3):
-                out[c] += light.detail[f, t, c] * detail
+                out[c] += light.detail[f, t, c] * brdf.detail[g, t, c * own]
         for q in range(4):
             if light.child[f, q] >= 0 and brdf.child[g, q] >= 0:
                 stack[0, n], stack[1, n] = light.child[f, q], brdf.child[g, q]
@@ -84,6 +102,11 @@ def product_integral(light, light_slice, brdf, brdf_slice, stack, out):
 @kernel
 def _weighted(values, weights):
     return values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
+
+
+@kernel
+def _weighted_own(values, own, weights):
+    return values[0] if own == 0 else _weighted(values, weights)
 
 
 @kernel
@@ -131,6 +154,7 @@ def build_product_tree(light, light_slice, brdf, brdf_slice, weights, scratch, t
     light_root, brdf_root = light.root[light_slice], brdf.root[brdf_slice]
     if light_root < 0 or brdf_root < 0:
         return _child_code(light_root, brdf_root), first
+    own = _channel_step(brdf)
     n = _find_common(light, light_root, brdf, brdf_root, scratch)
     for k in range(n):
         for q in range(4):
@@ -142,7 +166,7 @@ def build_product_tree(light, light_slice, brdf, brdf_slice, weights, scratch, t
         for q in range(4):
             total += scratch.inside[k, q]
         for t in range(3):
-            total += _weighted(light.detail[f, t], weights) * brdf.detail[g, t, 0]
+            total += _product(light.detail[f, t], brdf.detail[g, t], own, weights)
         if k > 0:
             scratch.inside[scratch.parent[k], scratch.quadrant[k]] = total
             trees.child[first + scratch.parent[k], scratch.quadrant[k]] = first + k
@@ -155,26 +179,26 @@ def build_product_tree(light, light_slice, brdf, brdf_slice, weights, scratch, t
 def _fill_weights(light, brdf, weights, scratch, k, trees, first):
     """The product's means over the quadrants of common node k, and where each goes on."""
     f, g = scratch.light[k], scratch.brdf[k]
-    scale = np.float32(1 << scratch.level[k])
-    mean_f, mean_g = _weighted(light.mean[f], weights), brdf.mean[g, 0]
-    fh = scale * _weighted(light.detail[f, 0], weights)
-    fv = scale * _weighted(light.detail[f, 1], weights)
-    fd = scale * _weighted(light.detail[f, 2], weights)
-    gh, gv, gd = (
-        scale * brdf.detail[g, 0, 0],
-        scale * brdf.detail[g, 1, 0],
-        scale * brdf.detail[g, 2, 0],
-    )
+    scale, own = np.float32(1 << scratch.level[k]), _channel_step(brdf)
     area = np.float32(4.0) * scale * scale
     for q in range(4):
         sh = np.float32(1.0) if (q & 1) == 0 else np.float32(-1.0)
         sv = np.float32(1.0) if q < 2 else np.float32(-1.0)
-        quadrant_f = mean_f + sh * fh + sv * fv + sh * sv * fd
-        quadrant_g = mean_g + sh * gh + sv * gv + sh * sv * gd
-        value = quadrant_f * quadrant_g + area * scratch.inside[k, q]
+        value = area * scratch.inside[k, q]
+        for c in range(3):
+            a = _quadrant_mean(light.mean[f, c], light.detail, f, c, scale, sh, sv)
+            b = _quadrant_mean(brdf.mean[g, c * own], brdf.detail, g, c * own, scale, sh, sv)
+            value += weights[c] * a * b
         trees.weight[first + k, q] = max(value, np.float32(0.0))
         if trees.child[first + k, q] < 0:
             trees.child[first + k, q] = _child_code(light.child[f, q], brdf.child[g, q])
+
+
+@kernel(forceinline=True)
+def _quadrant_mean(mean, detail, node, c, scale, sh, sv):
+    """Mean over the quadrant of signs sh, sv of one channel of a node."""
+    h, v, d = detail[node, 0, c], detail[node, 1, c], detail[node, 2, c]
+    return mean + scale * (sh * h + sv * v + sh * sv * d)
 
 
 @kernel
@@ -196,9 +220,12 @@ def _step_weights(light, brdf, weights, trees, code, scale):
         return w[0], w[1], w[2], w[3], child[0], child[1], child[2], child[3]
     if code & 1:
         node = (_FIRST_BRDF - code) // 2
-        detail = brdf.detail[node]
+        detail, own = brdf.detail[node], _channel_step(brdf)
         a, b, c, d = _quadrant_means(
-            brdf.mean[node, 0], scale * detail[0, 0], scale * detail[1, 0], scale * detail[2, 0]
+            _weighted_own(brdf.mean[node], own, weights),
+            scale * _weighted_own(detail[0], own, weights),
+            scale * _weighted_own(detail[1], own, weights),
+            scale * _weighted_own(detail[2], own, weights),
         )
         child, first = brdf.child[node], _FIRST_BRDF
     else:

@@ -7,6 +7,8 @@ is under the dielectric gets what that leaves over on average (albedo_tables). M
 for the light that is lost between facets [Kulla17].
 """
 
+from __future__ import annotations
+
 import math
 from typing import NamedTuple
 
@@ -28,10 +30,26 @@ from .microfacet import (
     ggx_lambda,
     ior_of_f0,
 )
-from .scene import BECKMANN, DIFFUSE, GLOSSY, MULTI_GGX, PRINCIPLED, MaterialParams
+from .scene import (
+    BECKMANN,
+    DIFFUSE,
+    FIT_ALBEDO,
+    FIT_ALPHA,
+    FIT_ANGLES,
+    FIT_DIFFUSE,
+    FIT_WEIGHT,
+    GGX,
+    GLOSSY,
+    MEASURED,
+    MULTI_GGX,
+    NO_MEASURED,
+    PRINCIPLED,
+    MaterialParams,
+    MeasuredBrdfs,
+)
 
 # Bits of Lobes.kind
-DIFFUSE_LOBE, DIELECTRIC_LOBE, CONDUCTOR_LOBE = 1, 2, 4
+DIFFUSE_LOBE, DIELECTRIC_LOBE, CONDUCTOR_LOBE, MEASURED_LOBE = 1, 2, 4, 8
 # Rows of Lobes.weight and Lobes.f0
 DIELECTRIC, CONDUCTOR = 0, 1
 
@@ -44,7 +62,11 @@ class Lobes(NamedTuple):
     brdf * cos = diffuse / pi * max(normal . wi, 0)
                + sum of weight F(wo . h) over both curves * D(h) / (4 cos_o (seen + Lambda(wi)))
 
-    kind: int8 (n,), which lobes there are: DIFFUSE_LOBE | DIELECTRIC_LOBE | CONDUCTOR_LOBE
+    A measured BRDF is tint x its table; its Lambert and conductor lobes are fitted to it for this
+    wo, and only say where samples go, and how the light is shared among the passes.
+
+    kind: int8 (n,), which lobes there are: DIFFUSE_LOBE | DIELECTRIC_LOBE | CONDUCTOR_LOBE, and
+        MEASURED_LOBE where a table has the value
     distribution: int8 (n,), GGX, MULTI_GGX (the same D and Lambda) or BECKMANN
     alpha: float32 (n,), width of D
     diffuse: float32 (n, 3), reflectance of the Lambert lobe, layers above deducted; at once Cycles'
@@ -58,6 +80,8 @@ class Lobes(NamedTuple):
     wo: float32 (n, 3); cos_o, seen: float32 (n,), glossy_normal . wo and 1 + Lambda(wo)
     diffuse_share: float32 (n,), how often sample_brdf takes the Lambert lobe
     glossy_color: float32 (n, 3), Cycles' Glossy Color; emission: float32 (n, 3), radiance
+    tint: float32 (n, 3); table: int32 (n,), row of ``tables``: of measured BRDFs
+    tables: float32 (m, 90, 90, 180, 3), MeasuredBrdfs.values; the one array that is not by point
     """
 
     kind: np.ndarray
@@ -76,10 +100,22 @@ class Lobes(NamedTuple):
     diffuse_share: np.ndarray
     glossy_color: np.ndarray
     emission: np.ndarray
+    tint: np.ndarray
+    table: np.ndarray
+    tables: np.ndarray
+
+    def at(self, which) -> Lobes:
+        """Those of a slice or of indices."""
+        rows = (column[which] for column in self[:-1])
+        return Lobes(*rows, self.tables)
 
 
 def setup_lobes(
-    params: MaterialParams, normal: np.ndarray, geometric_normal: np.ndarray, wo: np.ndarray
+    params: MaterialParams,
+    normal: np.ndarray,
+    geometric_normal: np.ndarray,
+    wo: np.ndarray,
+    measured: MeasuredBrdfs = NO_MEASURED,
 ) -> Lobes:
     """The lobes of n points.
 
@@ -87,19 +123,21 @@ def setup_lobes(
     normal, geometric_normal: float32 (n, 3), unit, both on the mesh's own front side: where that is
         turned away from wo they are flipped here, for reflection is two-sided
     wo: float32 (n, 3), unit, to the viewer
+    measured: of the scene
     """
     n = len(normal)
     shapes = {"weight": (n, 2, 3), "f0": (n, 2, 3)}
     shapes |= dict.fromkeys(("alpha", "cos_o", "seen", "diffuse_share"), (n,))
     out = {name: np.zeros(shapes.get(name, (n, 3)), np.float32) for name in Lobes._fields}
     out |= {name: np.zeros(n, np.int8) for name in ("kind", "distribution")}
+    out |= {"table": np.zeros(n, np.int32), "tables": measured.values}
     lobes = Lobes(**out)
-    _setup(params, normal, geometric_normal, wo, albedo_tables(), lobes)
+    _setup(params, normal, geometric_normal, wo, albedo_tables(), measured.fit, lobes)
     return lobes
 
 
 @kernel
-def _setup(params, normal, geometric_normal, wo, tables, out):
+def _setup(params, normal, geometric_normal, wo, tables, fits, out):
     for p in range(normal.shape[0]):
         facing = np.float32(1.0 if _dot(geometric_normal[p], wo[p]) >= ZERO else -1.0)
         for c in range(3):
@@ -117,7 +155,11 @@ def _setup(params, normal, geometric_normal, wo, tables, out):
             _add_dielectric(params, p, rest, tables, out)
         elif model == GLOSSY:
             _add_mirror(params, p, tables, out)
+        elif model == MEASURED:
+            _add_measured(params, p, fits, out)
         _set_kind(p, out)
+        if model == MEASURED and out.kind[p] != 0 and out.cos_o[p] > ZERO:
+            out.kind[p] |= MEASURED_LOBE
 
 
 @kernel(forceinline=True)
@@ -161,12 +203,17 @@ def _set_glossy_normal(geometric_normal, facing, p, out):
 @kernel
 def _set_microsurface(params, p, out):
     roughness = _clip(params.roughness[p])
-    alpha = max(roughness * roughness, MIN_ALPHA)
+    distribution = GGX if params.model[p] == MEASURED else params.distribution[p]
+    _set_width(max(roughness * roughness, MIN_ALPHA), distribution, p, out)
+
+
+@kernel
+def _set_width(alpha, distribution, p, out):
     out.alpha[p] = alpha
-    out.distribution[p] = params.distribution[p]
+    out.distribution[p] = distribution
     out.seen[p] = ONE
     if out.cos_o[p] > ZERO:
-        if params.distribution[p] == BECKMANN:
+        if distribution == BECKMANN:
             out.seen[p] += beckmann_lambda(alpha * alpha, out.cos_o[p])
         else:
             out.seen[p] += ggx_lambda(alpha * alpha, out.cos_o[p])
@@ -258,6 +305,31 @@ def _add_mirror(params, p, tables, out):
         out.f0[p, CONDUCTOR, c] = ONE
         out.weight[p, CONDUCTOR, c] = color * gain
         out.glossy_color[p, c] = color * gain * albedo
+
+
+@kernel
+def _add_measured(params, p, fits, out):
+    """Write the lobes that are fitted to a measured BRDF for this wo, its tint and its table."""
+    row = np.int64(params.distribution[p])
+    x = _clip(out.cos_o[p]) * np.float32(FIT_ANGLES - 1)
+    k = min(int(x), FIT_ANGLES - 2)
+    f = x - np.float32(k)
+    low, high = fits[row, k], fits[row, k + 1]
+    alpha = low[FIT_ALPHA] + f * (high[FIT_ALPHA] - low[FIT_ALPHA])
+    weight = low[FIT_WEIGHT] + f * (high[FIT_WEIGHT] - low[FIT_WEIGHT])
+    _set_width(alpha, GGX, p, out)
+    out.table[p] = row
+    for c in range(3):
+        tint = max(params.base_color[p, c], ZERO)
+        i, j = FIT_ALBEDO + c, FIT_DIFFUSE + c
+        diffuse = low[j] + f * (high[j] - low[j])
+        albedo = low[i] + f * (high[i] - low[i])
+        out.tint[p, c] = tint
+        out.diffuse[p, c] = tint * diffuse
+        # Never 0: the pass that is divided by it holds all light beyond the Lambert lobe's.
+        out.glossy_color[p, c] = tint * max(albedo - diffuse, np.float32(1e-3))
+        out.f0[p, CONDUCTOR, c] = ONE
+        out.weight[p, CONDUCTOR, c] = tint * weight
 
 
 @kernel(forceinline=True)

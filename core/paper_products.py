@@ -13,6 +13,7 @@ import numpy as np
 
 from ._jit import kernel
 from .haar_product import MAX_COMMON, build_product_tree, count_common, product_integral
+from .lobes import MEASURED_LOBE
 from .paper_tables import N_PARTS
 from .pyramid import luminance
 from .sphere_map import hemisphere_to_square, sphere_to_square
@@ -62,6 +63,9 @@ def _part_colors(lobes, p, colors):
     for c in range(3):
         dielectric, metal = lobes.weight[p, 0, c], lobes.weight[p, 1, c]
         f0_dielectric, f0_metal = lobes.f0[p, 0, c], lobes.f0[p, 1, c]
+        if lobes.kind[p] & MEASURED_LOBE:  # one part, whose table has its colours
+            colors[1, c] = lobes.tint[p, c]
+            continue
         colors[0, c] = lobes.diffuse[p, c]
         colors[1, c] = dielectric * f0_dielectric + metal * f0_metal
         colors[2, c] = dielectric * (np.float32(1.0) - f0_dielectric)

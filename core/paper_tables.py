@@ -1,21 +1,22 @@
 """The tables of one scene for mode PAPER: which there are, where they come from.
 
 A point's BRDF is a sum of "parts", each a table slice times a colour: the Lambert slice and up to
-four curves of the Fresnel factor (tables.CURVES) of its microfacet lobe.
+four curves of the Fresnel factor (tables.CURVES) of its microfacet lobe. A measured BRDF is one
+part, in the place of the first curve, with three channels; all slices then have three.
 """
 
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from .environment import EnvironmentLookup
-from .haar_forest import HaarForest, join_forests
+from .haar_forest import HaarForest, join_forests, with_channels
 from .lobes import CONDUCTOR_LOBE, DIELECTRIC_LOBE, setup_lobes
-from .scene import BECKMANN, MaterialParams
+from .scene import BECKMANN, MEASURED, NO_MEASURED, MaterialParams, MeasuredBrdfs
 from .settings import RenderSettings
 from .table_cache import load_table, save_table, table_folder, table_key
 from .tables import (
@@ -26,6 +27,7 @@ from .tables import (
     build_lambert_table,
     build_light_table,
     build_lobe_table,
+    build_measured_table,
     light_frames,
 )
 
@@ -36,7 +38,7 @@ class PaperTables(NamedTuple):
     """The compressed tables of one scene.
 
     light: HaarForest, 3 channels, a slice a normal; frames: float32 (SLICES, 3, 3), rows t, b, n
-    brdf: HaarForest, 1 channel, all lobes' slices after one another
+    brdf: HaarForest, 1 channel (3 with measured BRDFs), all lobes' slices after one another
     first_slice: int32 (n_materials, N_PARTS), where each material's slices begin, -1: none
     """
 
@@ -54,6 +56,27 @@ class _LobeKey:
     beckmann: bool
     curve: int
     fresnel: tuple[float, float, float]
+
+    def text(self) -> str:
+        return f"BRDF table, alpha {self.alpha:.4g}"
+
+    def build(self, _measured, fraction, threads, step) -> HaarForest:
+        shape = self.alpha, self.beckmann, self.fresnel, self.curve
+        return build_lobe_table(*shape, fraction, threads, step)
+
+
+@dataclass(frozen=True, slots=True)
+class _MeasuredKey:
+    """What the table of a measured BRDF depends on: sha256 of its file. row: of Scene.measured"""
+
+    digest: str
+    row: int = field(compare=False, repr=False)
+
+    def text(self) -> str:
+        return f"BRDF table, measured {self.digest[:8]}"
+
+    def build(self, measured, fraction, threads, step) -> HaarForest:
+        return build_measured_table(measured.values, self.row, fraction, threads, step)
 
 
 class TableBuilder:
@@ -76,6 +99,7 @@ class TableBuilder:
         settings: RenderSettings,
         threads: int,
         progress=lambda fraction, text: None,
+        measured: MeasuredBrdfs = NO_MEASURED,
     ) -> PaperTables:
         """All that PaperSampler needs; progress(fraction, text) is told of tables being built."""
         self.warnings, self.notes = [], []
@@ -88,7 +112,7 @@ class TableBuilder:
             lambda step: build_light_table(lookup, fraction, threads, step),
             progress,
         )
-        keys, first_slice = _lobe_keys(materials)
+        keys, first_slice = _lobe_keys(materials, measured)
         used = {key}
         forests = [build_lambert_table(fraction)]
         starts = [0]
@@ -98,10 +122,8 @@ class TableBuilder:
             forest = self._forest(
                 folder,
                 name,
-                f"BRDF table, alpha {lobe.alpha:.4g}",
-                lambda step, lobe=lobe: build_lobe_table(
-                    lobe.alpha, lobe.beckmann, lobe.fresnel, lobe.curve, fraction, threads, step
-                ),
+                lobe.text(),
+                lambda step, lobe=lobe: lobe.build(measured, fraction, threads, step),
                 progress,
             )
             starts.append(starts[-1] + len(forests[-1].root))
@@ -109,7 +131,8 @@ class TableBuilder:
         self._forests = {name: self._forests[name] for name in used}
         names = (fraction, *sorted(used))
         if self._joined is None or self._joined[0] != names:
-            self._joined = names, join_forests(forests)
+            channels = max(forest.slice_mean.shape[1] for forest in forests)
+            self._joined = names, join_forests([with_channels(f, channels) for f in forests])
         offsets = np.asarray(starts, np.int32)
         first = np.where(first_slice >= 0, offsets[np.maximum(first_slice, 0)], -1)
         return PaperTables(light, light_frames(), self._joined[1], first.astype(np.int32))
@@ -129,18 +152,23 @@ class TableBuilder:
         return self._forests[key]
 
 
-def _lobe_keys(materials: MaterialParams) -> tuple[list[_LobeKey], np.ndarray]:
+def _lobe_keys(materials: MaterialParams, measured: MeasuredBrdfs) -> tuple[list, np.ndarray]:
     """The distinct lobe tables of some materials, and int (n, N_PARTS): 1 + index of each part's.
 
     0 is the Lambert slice, -1 no table. What a table depends on does not depend on directions.
     """
     n = len(materials.model)
     up = np.tile(np.float32([0, 0, 1]), (n, 1))
-    lobes = setup_lobes(materials, up, up, up)
-    keys: dict[_LobeKey, int] = {}
+    lobes = setup_lobes(materials, up, up, up, measured)
+    keys: dict[_LobeKey | _MeasuredKey, int] = {}
     first = np.full((n, N_PARTS), -1, np.int32)
     first[:, 0] = 0
     for m in range(n):
+        if materials.model[m] == MEASURED:
+            row = int(materials.distribution[m])
+            key = _MeasuredKey(measured.keys[row], row)
+            first[m, :2] = -1, 1 + keys.setdefault(key, len(keys))
+            continue
         kind, alpha = int(lobes.kind[m]), float(lobes.alpha[m])
         beckmann = int(lobes.distribution[m]) == BECKMANN
         curves = [PLAIN] if kind & (DIELECTRIC_LOBE | CONDUCTOR_LOBE) else []

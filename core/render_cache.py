@@ -85,7 +85,9 @@ class RenderCache:
         self, scene: Scene, light: Light, settings: RenderSettings, threads: int, progress
     ) -> tuple[PaperTables, list[str], list[str]]:
         """The paper's tables of a scene, warnings about them, and notes on those built anew."""
-        tables = self._builder.tables(light.lookup, scene.materials, settings, threads, progress)
+        tables = self._builder.tables(
+            light.lookup, scene.materials, settings, threads, progress, scene.measured
+        )
         return tables, self._builder.warnings, self._builder.notes
 
 

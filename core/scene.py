@@ -15,7 +15,7 @@ LINEAR, CLOSEST, LINEAR_SRGB = "LINEAR", "CLOSEST", "LINEAR_SRGB"
 PERSPECTIVE, ORTHOGRAPHIC = "PERSPECTIVE", "ORTHOGRAPHIC"
 
 # MaterialParams.model
-DIFFUSE, PRINCIPLED, GLOSSY, BLACK = 0, 1, 2, 3
+DIFFUSE, PRINCIPLED, GLOSSY, BLACK, MEASURED = 0, 1, 2, 3, 4
 # MaterialParams.distribution
 GGX, MULTI_GGX, BECKMANN = 0, 1, 2
 
@@ -23,9 +23,10 @@ GGX, MULTI_GGX, BECKMANN = 0, 1, 2
 class MaterialParams(NamedTuple):
     """The parameters of a reflecting point, one row a material, or one row a shading point.
 
-    model: int8 (n,), DIFFUSE, PRINCIPLED, GLOSSY or BLACK (emission only)
-    distribution: int8 (n,), GGX, MULTI_GGX or BECKMANN
-    base_color: float32 (n, 3); metallic, roughness, ior, specular_level: float32 (n,)
+    model: int8 (n,), DIFFUSE, PRINCIPLED, GLOSSY, BLACK (emission only) or MEASURED
+    distribution: int8 (n,), GGX, MULTI_GGX or BECKMANN; of MEASURED: its row of Scene.measured
+    base_color: float32 (n, 3), of MEASURED a tint
+    metallic, roughness, ior, specular_level: float32 (n,)
     specular_tint: float32 (n, 3); emission: float32 (n, 3), radiance (strength included)
     """
 
@@ -38,6 +39,32 @@ class MaterialParams(NamedTuple):
     specular_level: np.ndarray
     specular_tint: np.ndarray
     emission: np.ndarray
+
+
+class MeasuredBrdfs(NamedTuple):
+    """Measured BRDFs, one row each (measured.py makes them).
+
+    values: float32 (m, 90, 90, 180, 3), sr^-1, see merl.py
+    fit: float32 (m, FIT_ANGLES, FIT_COLUMNS), what each reflects seen from evenly spaced cosines,
+        0 to 1: columns of measured.py
+    keys: sha256 of each one's file
+    """
+
+    values: np.ndarray
+    fit: np.ndarray
+    keys: tuple[str, ...]
+
+
+# Columns of MeasuredBrdfs.fit: albedo (r, g, b), the Lambert lobe under it (r, g, b), weight and
+# width of the GGX lobe over that one.
+FIT_ALBEDO, FIT_DIFFUSE, FIT_WEIGHT, FIT_ALPHA, FIT_COLUMNS = 0, 3, 6, 7, 8
+FIT_ANGLES = 25
+MOST_MEASURED = 127  # rows of an int8
+NO_MEASURED = MeasuredBrdfs(
+    np.zeros((0, 90, 90, 180, 3), np.float32),
+    np.zeros((0, FIT_ANGLES, FIT_COLUMNS), np.float32),
+    (),
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -141,6 +168,7 @@ class Scene:
         rays of a smaller cosine start above coarse smooth faces; None = 0 for all
     transparent_film: alpha 0 where the camera sees the world
     exposure: factor of the film
+    measured: the BRDFs that materials of model MEASURED name by their row
     """
 
     mesh: TriangleMesh
@@ -152,8 +180,12 @@ class Scene:
     terminator_offset: np.ndarray | None = None
     transparent_film: bool = False
     exposure: float = 1.0
+    measured: MeasuredBrdfs = NO_MEASURED
 
     def __post_init__(self):
+        rows = self.materials.distribution[self.materials.model == MEASURED]
+        if len(rows) and not 0 <= rows.min() <= rows.max() < len(self.measured.values):
+            raise ValueError("a material names a measured BRDF that is not there")
         n_materials, n_objects = len(self.materials.model), len(self.object_pass_index)
         if len(self.mesh.triangles) == 0:
             return

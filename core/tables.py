@@ -19,6 +19,7 @@ import numpy as np
 from ._jit import kernel
 from .environment import EnvironmentLookup, eval_environment
 from .haar_forest import HaarForest, build_forest, join_forests
+from .merl import eval_merl
 from .microfacet import (
     beckmann_d,
     beckmann_lambda,
@@ -41,6 +42,7 @@ SLICES = SIDE * SIDE
 CURVES = PLAIN, DIELECTRIC_CURVE, SCHLICK_CURVE, EDGE_CURVE = (0, 1, 2, 3)
 _GRID_SIDE = 256  # of the sphere that slices of the light are averaged from
 _PER_SIDE = 3  # its samples across a cell of a slice: a cell is 2.2 degrees wide, a sample 0.8
+_MEASURED_PER_SIDE = 2
 _CHUNK = 64
 
 
@@ -214,6 +216,49 @@ def build_lobe_table(
         _fill_lobe_slices(
             outgoing, local, first, np.float32(alpha), beckmann, constants, curve, slices
         )
+        return build_forest(slices, fraction)
+
+    return join_forests(_in_chunks(build, threads, progress))
+
+
+@kernel
+def _fill_measured_slices(tables, row, outgoing, local, first, slices):
+    """A measured BRDF x cosine, averaged over each cell, three channels."""
+    zero = np.float32(0.0)
+    up = (zero, zero, np.float32(1.0))
+    per_cell = local.shape[0] // (SIDE * SIDE)
+    share = np.float32(1.0 / per_cell)
+    for s in range(slices.shape[0]):
+        wo = (outgoing[first + s, 0], outgoing[first + s, 1], outgoing[first + s, 2])
+        for cell in range(SIDE * SIDE):
+            red = green = blue = zero
+            for k in range(cell * per_cell, (cell + 1) * per_cell):
+                z = local[k, 2]
+                r, g, b = eval_merl(tables, row, up, wo, (local[k, 0], local[k, 1], z))
+                red += r * z
+                green += g * z
+                blue += b * z
+            i, j = cell // SIDE, cell % SIDE
+            slices[s, 0, i, j] = red * share
+            slices[s, 1, i, j] = green * share
+            slices[s, 2, i, j] = blue * share
+
+
+def build_measured_table(
+    tables: np.ndarray,
+    row: int,
+    fraction: float,
+    threads: int,
+    progress=lambda fraction: None,
+) -> HaarForest:
+    """The 64^4 table of one measured BRDF, 3 channels; tables: MeasuredBrdfs.values."""
+    local = cell_samples(_MEASURED_PER_SIDE)
+    outgoing = np.empty((SLICES, 3), np.float32)
+    fill_hemisphere_grid(SIDE, outgoing)
+
+    def build(first):
+        slices = np.empty((_CHUNK, 3, SIDE, SIDE), np.float32)
+        _fill_measured_slices(tables, row, outgoing, local, first, slices)
         return build_forest(slices, fraction)
 
     return join_forests(_in_chunks(build, threads, progress))

@@ -117,7 +117,7 @@ class SeenPoints(NamedTuple):
         """Those of a slice or of indices."""
         return SeenPoints(
             ShadingPoints(*(column[which] for column in self.points)),
-            Lobes(*(column[which] for column in self.lobes)),
+            self.lobes.at(which),
             self.rows[which],
         )
 
@@ -136,9 +136,8 @@ def trace_points(job: Job, origins, directions) -> ShadingPoints:
 def with_lobes(scene: Scene, points: ShadingPoints) -> SeenPoints:
     """Set up the materials of points."""
     rows = scene.mesh.material_index[points.triangle]
-    lobes = setup_lobes(
-        params_at(scene.materials, rows), points.normal, points.geometric_normal, points.wo
-    )
+    params = params_at(scene.materials, rows)
+    lobes = setup_lobes(params, points.normal, points.geometric_normal, points.wo, scene.measured)
     return SeenPoints(points, lobes, rows)
 
 

@@ -29,9 +29,9 @@ def pixel_points(scene) -> PixelPoints:
     hit, u, v = accel.intersect(origins, directions)
     points = shading_points(scene.mesh, hit, u, v, directions)
     rows = scene.mesh.material_index[points.triangle]
-    lobes = setup_lobes(
-        params_at(scene.materials, rows), points.normal, points.geometric_normal, points.wo
-    )
+    params = params_at(scene.materials, rows)
+    vectors = points.normal, points.geometric_normal, points.wo
+    lobes = setup_lobes(params, *vectors, scene.measured)
     return PixelPoints(points, lobes, rows, accel)
 
 
