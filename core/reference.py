@@ -50,10 +50,14 @@ def descend(a, b, c, d, x, y):
 
 
 @kernel
-def sample_light(pyramid, x, y):
-    """A direction in proportion to the light's luminance: (dx, dy, dz, pdf in sr^-1)."""
+def sample_light_in(pyramid, cell, level, x, y):
+    """A direction in a cell, in proportion to the light's luminance: (dx, dy, dz, pdf in sr^-1).
+
+    cell: Morton index of one of the ``level``, one of the pyramid's whole levels
+    """
     averages, levels, children = pyramid.averages, pyramid.levels, pyramid.children
-    cell, level, node = 0, 0, 0
+    node = level_offset(level) + cell
+    per_cell = (1 << (2 * level)) / (4.0 * math.pi * np.float64(averages[node]))
     while level < levels or children[node] > 0:
         below = np.int64(children[node])
         if level < levels:
@@ -70,8 +74,13 @@ def sample_light(pyramid, x, y):
     row, column = morton_to_row_column(cell)
     side = 1 << level
     dx, dy, dz = square_to_sphere((column + x) / side, (row + y) / side)
-    light = np.float64(averages[node])
-    return dx, dy, dz, light / (4.0 * math.pi * np.float64(averages[0]))
+    return dx, dy, dz, np.float64(averages[node]) * per_cell
+
+
+@kernel
+def sample_light(pyramid, x, y):
+    """A direction in proportion to the light's luminance: (dx, dy, dz, pdf in sr^-1)."""
+    return sample_light_in(pyramid, 0, 0, x, y)
 
 
 @kernel
