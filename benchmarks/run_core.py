@@ -15,7 +15,7 @@ import numpy as np
 from iwis.core import reference
 from iwis.core.camera import camera_rays
 from iwis.core.incremental import sample_points
-from iwis.core.lobes import setup_lobes
+from iwis.core.lobe_setup import setup_lobes
 from iwis.core.render import tile_rects
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import Scene

@@ -15,7 +15,8 @@ import numpy as np
 
 from .environment import EnvironmentLookup
 from .haar_forest import HaarForest, join_forests, with_channels
-from .lobes import CONDUCTOR_LOBE, DIELECTRIC_LOBE, setup_lobes
+from .lobe_setup import setup_lobes
+from .lobes import CONDUCTOR_LOBE, DIELECTRIC_LOBE
 from .scene import BECKMANN, MEASURED, NO_MEASURED, MaterialParams, MeasuredBrdfs
 from .settings import RenderSettings
 from .table_cache import load_table, save_table, table_folder, table_key

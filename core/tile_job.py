@@ -19,7 +19,8 @@ from .film import Tile
 from .guide import Guides
 from .incremental import PixelSums, continue_points
 from .light_rays import Light
-from .lobes import DIFFUSE_LOBE, Lobes, setup_lobes
+from .lobe_setup import setup_lobes
+from .lobes import DIFFUSE_LOBE, Lobes
 from .neighbours import CELL_PX, find_neighbours
 from .paper import PaperSampler
 from .paper_tables import PaperTables

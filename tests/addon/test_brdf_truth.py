@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.core.lobes import setup_lobes
+from iwis.core.lobe_setup import setup_lobes
 from iwis.core.scene import MaterialParams
 from iwis.iwis_addon.export.material import export_materials
 from support import cycles_render

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.lobes import setup_lobes
+from iwis.core.lobe_setup import setup_lobes
 from iwis.core.measured import join_measured, read_measured
 from iwis.core.paper_tables import TableBuilder
 from iwis.core.scene import FIT_ALBEDO, NO_MEASURED

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import seeds
 
-from iwis.core.lobes import setup_lobes
+from iwis.core.lobe_setup import setup_lobes
 from iwis.core.render import RenderCache
 from iwis.core.scene import EnvironmentMap
 from iwis.core.shading import ShadingPoints

@@ -4,7 +4,8 @@ import numpy as np
 
 from iwis.core._jit import kernel
 from iwis.core.brdf import eval_at, lobes_at, pdf_at, sample_at
-from iwis.core.lobes import Lobes, setup_lobes
+from iwis.core.lobe_setup import setup_lobes
+from iwis.core.lobes import Lobes
 from iwis.core.scene import GGX, PRINCIPLED, MaterialParams
 
 

@@ -7,7 +7,8 @@ import numpy as np
 from iwis.core.accel import Accel
 from iwis.core.camera import camera_rays
 from iwis.core.incremental import RayBatch, new_rays
-from iwis.core.lobes import Lobes, setup_lobes
+from iwis.core.lobe_setup import setup_lobes
+from iwis.core.lobes import Lobes
 from iwis.core.sequence import PixelSequence, common_points
 from iwis.core.shading import ShadingPoints, params_at, shading_points
 

@@ -7,7 +7,7 @@ from iwis.core.environment import make_lookup
 from iwis.core.lanes import DX, DY, DZ, LANES, PDF, X, Y, new_lanes
 from iwis.core.light_rays import make_light
 from iwis.core.light_tree import build_pyramid
-from iwis.core.lobes import setup_lobes
+from iwis.core.lobe_setup import setup_lobes
 from iwis.core.product import new_products, pdf_product
 from iwis.core.product_build import build_product, new_block_scratch
 from iwis.core.sphere_map import sphere_to_square
