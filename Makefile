@@ -5,7 +5,8 @@
 #   ARGS="-k haar -x"   more arguments of pytest, of python -m iwis render, or of make bench
 #   PLATFORM=linux-x64 PY=cp314   one zip instead of all
 #   BLENDER=PROGRAM     what make test-blender runs, instead of Debian's Blender
-#   OUT=FOLDER          where make render writes; else out
+#   OUT=FOLDER          where make render and make paper write; else out
+#   DATA=FOLDER         the paper's data for make paper (docs/paper.md); else what is shipped
 
 PYTHON ?=
 VENV ?=
@@ -14,15 +15,16 @@ PLATFORM ?=
 PY ?=
 BLENDER ?=
 OUT ?= out
+DATA ?=
 
 # Prints the environment's Python on standard output; quick when all is up to date.
 venv_python = PYTHON="$(PYTHON)" VENV="$(VENV)" scripts/venv.sh
 
-.PHONY: help render test bench lint zip test-blender venv clean distclean
+.PHONY: help render test bench paper lint zip test-blender venv clean distclean
 
 help:
 	@sed -n '1,/^$$/s/^# \{0,1\}//p' Makefile
-	@echo "targets: render test bench lint zip test-blender venv clean distclean"
+	@echo "targets: render test bench paper lint zip test-blender venv clean distclean"
 
 # Render sample_blends/ through `python -m iwis render`: EXR and PNG in out/.
 render:
@@ -34,6 +36,11 @@ test:
 # Error against CPU time beside Cycles and Mitsuba, scaling, start-up: docs/benchmarks.md, 20 minutes.
 bench:
 	@python="$$($(venv_python))" && "$$python" benchmarks/suite.py $(ARGS)
+
+# Every figure and claim of the paper: OUT/paper.html, some minutes (docs/paper.md).
+paper:
+	@python="$$($(venv_python))" && "$$python" -m iwis paper --out "$(OUT)" \
+		$(if $(DATA),--data "$(DATA)") $(ARGS)
 
 lint:
 	@python="$$($(venv_python))" && "$$python" -m ruff check . && "$$python" -m ruff format --check .

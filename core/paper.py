@@ -29,8 +29,8 @@ from .sphere_map import square_to_hemisphere
 
 
 @kernel
-def _sample_point(tables, products, trees, weights, p, x, y):
-    """One direction of point p: (dx, dy, dz), float64, world space."""
+def _sample_direction(tables, products, trees, weights, p, x, y):
+    """Where (x, y) of the unit square goes at point p: (dx, dy, dz), float64, world space."""
     part = 0
     while part < N_PARTS - 1 and x >= products.share[p, part]:
         x -= products.share[p, part]
@@ -62,7 +62,7 @@ def _sample_round(
         p = active[a]
         for k in range(first, first + counts[a]):
             x, y = sequence_point(sequence, p, k)
-            dx, dy, dz = _sample_point(tables, products, trees, weights, p, x, y)
+            dx, dy, dz = _sample_direction(tables, products, trees, weights, p, x, y)
             wx, wy, wz = np.float32(dx), np.float32(dy), np.float32(dz)
             if not start_shadow_ray(points, p, wx, wy, wz, False, offset, rays.origins, n):
                 continue
@@ -108,6 +108,16 @@ class PaperSampler:
         size = count_nodes(tables, self.products, scratch)
         self._trees = ProductTrees(np.empty((size, 4), np.float32), np.empty((size, 4), np.int32))
         build_trees(tables, self.products, scratch, self._weights, self._trees)
+
+    def direction(self, p: int, x: float, y: float) -> tuple[float, float, float]:
+        """Where (x, y) of the unit square goes at point p: unit, world space."""
+        return _sample_direction(
+            self._tables, self.products, self._trees, self._weights, p, float(x), float(y)
+        )
+
+    def frame(self, p: int) -> np.ndarray:
+        """Of the slice that point p samples: float32 (3, 3), rows t, b, n."""
+        return self._tables.frames[self.products.light_slice[p]]
 
     def lit(self) -> np.ndarray:
         """See incremental.Sampler."""

@@ -74,7 +74,32 @@ def _parser() -> argparse.ArgumentParser:
     )
     render.add_argument("--stats", metavar="STATS.json", type=Path, help="write what it cost")
     render.set_defaults(run=lambda options: _render(render, options))
+    _add_paper(commands)
     return parser
+
+
+def _add_paper(commands) -> None:
+    """The command that needs a checkout: the extension comes without paper/."""
+    try:
+        from ..paper import command
+    except ImportError:
+        return
+    paper = commands.add_parser(
+        "paper",
+        help="figures of the paper",
+        description="Write paper.html: every figure and claim of Huang et al. 2007, from this code.",
+    )
+    command.add_arguments(paper)
+    paper.set_defaults(run=lambda options: _paper(command, options))
+
+
+def _paper(command, options) -> None:
+    try:
+        print(command.run(options))
+    except KeyboardInterrupt:
+        raise CommandError("interrupted; the page was not written") from None
+    except command.InputError as error:
+        raise CommandError(str(error)) from None
 
 
 def _output(text):
