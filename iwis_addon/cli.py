@@ -87,7 +87,7 @@ def _add_paper(commands) -> None:
     paper = commands.add_parser(
         "paper",
         help="figures of the paper",
-        description="Write paper.html: every figure and claim of Huang et al. 2007, from this code.",
+        description="Write paper.html: the figures and claims of Huang et al. 2007, by IWIS.",
     )
     command.add_arguments(paper)
     paper.set_defaults(run=lambda options: _paper(command, options))

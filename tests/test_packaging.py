@@ -43,6 +43,7 @@ def test_every_package_is_listed():
     """A folder of Python files that pyproject forgets would be missing from an installed IWIS."""
     folders = {Path(name).parent.as_posix() for name in _shipped_files() if name.endswith(".py")}
     packages = {"iwis"} | {"iwis." + folder.replace("/", ".") for folder in folders}
+    packages.add("iwis.paper")  # of a checkout, not of the extension
     assert packages == set(PYPROJECT["tool"]["setuptools"]["packages"])
     for folder in folders:
         assert (ROOT / folder / "__init__.py").exists(), folder
