@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from .. import operators
-from . import dependencies, engine, job, panels, preferences, properties
+from . import dependencies, engine, job, measured, panels, preferences, properties
 
-MODULES = (preferences, properties, operators, job, engine, panels)
+MODULES = (preferences, properties, operators, job, engine, panels, measured)
 
 
 def register() -> None:

@@ -3,14 +3,16 @@
 errors                       what can stop an export
 local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
 camera, material, world      the other parts of a Scene
+measured                     materials with a measured BRDF in place of nodes
 """
 
 from __future__ import annotations
 
-from ...core.scene import Scene
+from ...core.scene import NO_MEASURED, Scene
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
 from .material import export_materials
+from .measured import add_measured, without_measured
 from .mesh import ExportCache, export_mesh
 from .world import export_world
 
@@ -34,7 +36,10 @@ def export_scene(
     camera = export_camera(depsgraph, warnings, region=region)
     geometry = export_mesh(depsgraph, warnings, cache, cancelled)
     materials, material_pass_index = export_materials(
-        geometry.materials, warnings, geometry.material_users
+        without_measured(geometry.materials), warnings, geometry.material_users
+    )
+    materials, material_pass_index, measured = add_measured(
+        geometry.materials, materials, material_pass_index, geometry.material_users
     )
     environment = export_world(depsgraph, warnings, None if cache is None else cache.texels)
     if cancelled():
@@ -50,5 +55,6 @@ def export_scene(
         terminator_offset=geometry.terminator_offset,
         transparent_film=scene.render.film_transparent,
         # The film exposure belongs to Cycles' settings, there as long as its add-on is enabled.
+        measured=measured or NO_MEASURED,
         exposure=scene.cycles.film_exposure if hasattr(scene, "cycles") else 1.0,
     )
