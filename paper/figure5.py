@@ -68,6 +68,8 @@ def figure5(run: Run, truth: Truth, plan: Plan) -> Figure5:
     for threshold in plan.thresholds:
         for name, most in IIS.items():
             curves[name].append(point(run.picture(error_threshold=threshold, max_samples=most)))
+        if threshold == 0.0:
+            continue
         curves[ADAPTIVE].append(point(run.sampled(ADAPTIVE, max(IIS.values()), threshold)))
         rule = {"stop_rule": "PERCEPTUAL", "error_threshold": threshold, "max_samples": 400}
         curves[OURS_PAPER].append(point(run.picture(**rule)))

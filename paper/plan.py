@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 class Plan(NamedTuple):
     """size: (width, height) of the Buddha; truth: samples of a reference
-    counts: of the methods of fixed counts; thresholds: E of the incremental ones, figure 5
+    counts: of the methods of fixed counts; thresholds: E of the incremental ones, figure 5; 0: MAX
     coefficients: shares of the tables' coefficients that are compared; crops: mean samples
     map_samples: of figure 1; warped: n of figure 2
     """
@@ -26,7 +26,7 @@ FULL = Plan(
     size=(200, 400),
     truth=512,
     counts=(8, 12, 16, 20, 30, 40, 60, 80, 100, 150, 200),
-    thresholds=(0.6, 0.4, 0.3, 0.2, 0.15, 0.12, 0.1, 0.08, 0.06, 0.04),
+    thresholds=(0.6, 0.4, 0.3, 0.2, 0.15, 0.12, 0.1, 0.08, 0.06, 0.04, 0.02, 0.0),
     coefficients=(0.02, 0.05, 0.1, 1.0),
     crops=(20, 30),
     map_samples=30,

@@ -150,7 +150,7 @@ def _figure5(results):
 
 def _crops(results):
     crops = results.curves.crops
-    figure, axes = _axes(len(crops), 3, (8, 1.9 * len(crops)))
+    figure, axes = _axes(len(crops), 3, (8, 1.3 * len(crops)))
     shown = results.truth.lit
     white = white_of(results.truth.limited.rgb, shown)
     for row, crop in zip(axes, crops, strict=True):
