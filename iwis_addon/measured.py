@@ -16,10 +16,6 @@ from .job import ENGINE
 PREVIEW_PX = 64
 _ANGLES = (0, 45, 75)
 _POLL_SECONDS = 0.2
-# Blender 5 asks for leave to keep a path relative to the .blend.
-_PATH_OPTIONS = (
-    {"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 0) else {"ANIMATABLE"}
-)
 
 
 def _changed(self, _context):
@@ -40,7 +36,7 @@ class IWISMaterialProperties(bpy.types.PropertyGroup):
         name="File",
         description="A BRDF in MERL's format: 90 x 90 x 180 samples, .binary",
         subtype="FILE_PATH",
-        options=_PATH_OPTIONS,
+        options={"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"},
         update=_changed,
     )
     measured_tint: FloatVectorProperty(
