@@ -131,6 +131,14 @@ def eval_at(at, wi_x, wi_y, wi_z):
 
     at: LobesAt; wi_x, wi_y, wi_z: float32
     """
+    if at.kind & MEASURED_LOBE:
+        return _eval_measured(at, wi_x, wi_y, wi_z)
+    return eval_lobes_at(at, wi_x, wi_y, wi_z)
+
+
+@kernel(forceinline=True)
+def eval_lobes_at(at, wi_x, wi_y, wi_z):
+    """eval_at of a point without a measured BRDF: a branch less in the innermost loop."""
     cos_n = max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO)
     scale = cos_n * INV_PI
     dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale
@@ -139,9 +147,6 @@ def eval_at(at, wi_x, wi_y, wi_z):
     cos_i = _dot(at.glossy_normal, wi_x, wi_y, wi_z)
     if cos_i <= ZERO or cos_n <= ZERO:
         return dr, dg, db, ZERO, ZERO, ZERO
-    if at.kind & MEASURED_LOBE:
-        return _eval_measured(at, wi_x, wi_y, wi_z, cos_n, dr, dg, db)
-
     sin2, _, cos_h = _half_vector(at, wi_x, wi_y, wi_z)
     alpha2 = at.alpha * at.alpha
     if at.gaussian:
@@ -167,8 +172,13 @@ def eval_at(at, wi_x, wi_y, wi_z):
 
 
 @kernel
-def _eval_measured(at, wi_x, wi_y, wi_z, cos_n, dr, dg, db):
-    """eval_at of a table: as much of it as the Lambert lobe (dr, dg, db) has counts as diffuse."""
+def _eval_measured(at, wi_x, wi_y, wi_z):
+    """eval_at of a table: as much of it as the fitted Lambert lobe has counts as diffuse."""
+    cos_n = max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO)
+    scale = cos_n * INV_PI
+    dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale
+    if _dot(at.glossy_normal, wi_x, wi_y, wi_z) <= ZERO or cos_n <= ZERO:
+        return dr, dg, db, ZERO, ZERO, ZERO
     r, g, b = eval_merl(at.tables, at.table, at.glossy_normal, at.wo, (wi_x, wi_y, wi_z))
     r, g, b = r * at.tint[0] * cos_n, g * at.tint[1] * cos_n, b * at.tint[2] * cos_n
     dr, dg, db = min(dr, r), min(dg, g), min(db, b)

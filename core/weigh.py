@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .brdf import eval_at, lobes_at, pdf_narrowest_at
+from .brdf import eval_at, eval_lobes_at, lobes_at, pdf_narrowest_at
 from .environment import eval_map
 from .lanes import BLUE, DIFFUSE, DX, DY, DZ, GLOSSY, GREEN, LANES, OX, OY, OZ, PDF, RED, U, V
 from .light_rays import is_lifted
-from .lobes import DIFFUSE_LOBE
+from .lobes import DIFFUSE_LOBE, MEASURED_LOBE
 from .microfacet import INV_PI
 from .sequence import sample_number
 from .terminator import lift_share
@@ -91,22 +91,31 @@ def _weigh_matte(at, share, numbers, s, end):
         numbers[GLOSSY + 2 * LANES + k] = _ZERO
 
 
+@kernel(forceinline=True)
+def _write_light(numbers, k, pdf, value):
+    inverse = _ONE / pdf if pdf > _ZERO else _ZERO
+    for c in range(3):
+        light = numbers[RED + LANES * c + k] * inverse
+        numbers[DIFFUSE + LANES * c + k] = value[c] * light
+        numbers[GLOSSY + LANES * c + k] = value[3 + c] * light
+
+
 @kernel
 def _weigh_glossy(at, share, numbers, s, end):
-    """The same for any point."""
+    """The same for any point without a measured BRDF."""
     for k in range(s, end):
         wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
         pdf = share * pdf_narrowest_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
-        inverse = _ONE / pdf if pdf > _ZERO else _ZERO
-        dr, dg, db, gr, gg, gb = eval_at(at, wx, wy, wz)
-        r, g = numbers[RED + k] * inverse, numbers[GREEN + k] * inverse
-        b = numbers[BLUE + k] * inverse
-        numbers[DIFFUSE + k] = dr * r
-        numbers[DIFFUSE + LANES + k] = dg * g
-        numbers[DIFFUSE + 2 * LANES + k] = db * b
-        numbers[GLOSSY + k] = gr * r
-        numbers[GLOSSY + LANES + k] = gg * g
-        numbers[GLOSSY + 2 * LANES + k] = gb * b
+        _write_light(numbers, k, pdf, eval_lobes_at(at, wx, wy, wz))
+
+
+@kernel
+def _weigh_measured(at, share, numbers, s, end):
+    """The same for a measured BRDF."""
+    for k in range(s, end):
+        wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
+        pdf = share * pdf_narrowest_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
+        _write_light(numbers, k, pdf, eval_at(at, wx, wy, wz))
 
 
 @kernel
@@ -121,5 +130,7 @@ def weigh_run(task, share, p, lanes, s, end):
         _lift_rays(task, at, p, lanes, s, end)
     if at.kind <= DIFFUSE_LOBE:
         _weigh_matte(at, share, lanes.numbers, s, end)
+    elif at.kind & MEASURED_LOBE:
+        _weigh_measured(at, share, lanes.numbers, s, end)
     else:
         _weigh_glossy(at, share, lanes.numbers, s, end)

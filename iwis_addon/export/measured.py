@@ -24,7 +24,8 @@ _lock = threading.Lock()
 
 def is_measured(material) -> bool:
     """Whether a bpy material (None: an empty slot) shows a measured BRDF in place of its nodes."""
-    return material is not None and material.iwis.use_measured
+    own = getattr(material, "iwis", None)  # an export without a registered add-on has none
+    return own is not None and own.use_measured
 
 
 def without_measured(materials: list) -> list:
@@ -81,10 +82,8 @@ def add_measured(
         if path not in row_of:
             row_of[path] = len(brdfs)
             brdfs.append(_read(materials[k], users[k], path))
-        params.model[k], params.distribution[k] = (
-            MEASURED,
-            row_of[path] % 128,
-        )  # more are refused below
+        params.model[k] = MEASURED
+        params.distribution[k] = row_of[path] % 128  # more are refused below
         params.base_color[k] = materials[k].iwis.measured_tint
         params.emission[k] = 0.0
         pass_index[k] = materials[k].pass_index
