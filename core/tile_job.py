@@ -209,7 +209,9 @@ def _add_by_rays(job, seen, places, sequence, sums, bounds, rule, _) -> int:
     traced = 0
     for block in _long_blocks(bounds):
         own, part = seen.at(block), PixelSums(*(column[block] for column in sums))
-        sampler = make_sampler(job, own, sequence._replace(x=sequence.x[block], y=sequence.y[block]))
+        sampler = make_sampler(
+            job, own, sequence._replace(x=sequence.x[block], y=sequence.y[block])
+        )
         near = None
         if rule.kind != PAPER_RULE:
             where = places.column[block], places.row[block]

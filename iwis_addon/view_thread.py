@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from ..core.scene import Scene
 from ..core.settings import RenderSettings
+from ..core.watch import StopFlag
 from . import dependencies
 
 log = logging.getLogger(__name__)
@@ -31,7 +32,7 @@ class ViewThread(threading.Thread):
         super().__init__(name="iwis-view", daemon=True)
         self._redraw = redraw
         self._condition = threading.Condition()
-        self._restart, self._close = threading.Event(), threading.Event()
+        self._restart, self._close = StopFlag(), StopFlag()
         self._request: tuple[Scene, RenderSettings, float] | None = None
         self.picture, self.version = None, 0
         self.failure: BaseException | None = None
@@ -70,10 +71,10 @@ class ViewThread(threading.Thread):
                     return
                 scene, settings, asked_at = self._request
                 self._request = None
-                self._restart.clear()
+                self._restart = restart = StopFlag()
             try:
                 tools = tools or _Tools()
-                tools.render(scene, settings, self._taker(asked_at), self._restart, self._close)
+                tools.render(scene, settings, self._taker(asked_at), restart, self._close)
                 self.failure = None
             except ReferenceError:
                 return
