@@ -29,7 +29,8 @@ class IWISPanel:
 
 def wrapped(layout, context, text: str, icon: str) -> None:
     """A text in as many labels as the panel's width asks for: Blender would cut it off."""
-    region, scale = context.region, context.preferences.system.ui_scale
+    region = context.region
+    scale = context.preferences.system.ui_scale or 1.0  # 0 in background mode
     width = region.width if region is not None else 300
     letters = max(int((width / scale - 100) / 6.2), 20)
     column = layout.column(align=True)
