@@ -16,7 +16,9 @@ def put_image(name: str, pixels: np.ndarray, is_float: bool):
     """
     height, width = pixels.shape[:2]
     image = bpy.data.images.get(name)
-    if image is not None and (image.is_float != is_float or image.source != "GENERATED"):
+    if image is not None and image.filepath:  # a file of the user's: it keeps its pixels
+        image = None
+    elif image is not None and image.is_float != is_float:
         bpy.data.images.remove(image)
         image = None
     if image is None:

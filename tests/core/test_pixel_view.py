@@ -19,13 +19,19 @@ def test_texels_and_directions_are_inverse():
 
 @pytest.mark.parametrize("pixel", [(20, 14), (12, 10)])
 def test_a_view_tells_the_pixel_of_the_picture(pixel):
-    """Count and visible share are the rendered pixel's; the product's mean is its light."""
+    """Count and visible share are the rendered pixel's; the product's integral is its light.
+
+    The picture learns of visibility from neighbours, the view does not: their samples differ.
+    """
     x, y = pixel
     layers, _ = make_picture(varied_scene(), **SETTINGS)
     view = look_at_pixel(varied_scene(), RenderSettings(**SETTINGS), x, y, 128)
     assert view.count == layers["samples"][y, x, 0]
     seen = (~view.occluded).sum() / view.count
-    assert seen == pytest.approx(layers["visibility"][y, x, 0], abs=1e-6)
+    assert seen == pytest.approx(
+        layers["visibility"][y, x, 0],
+        abs=0.15,  # 1.7 sigma of 32 samples; inverted: .27 or more
+    )
     np.testing.assert_allclose(view.position, layers["position"][y, x], atol=1e-5)
     altitude = np.pi * ((np.arange(128) + 0.5) / 128 - 0.5)
     solid_angle = np.cos(altitude)[:, None, None] * (np.pi / 128) ** 2

@@ -59,7 +59,7 @@ def main() -> None:
     samples = ROOT / "sample_blends"
     with installed(options) as (blender, folder):
         if options.measure:
-            run_script(blender, folder, "measure_in_window.py", ["--factory-startup"], [folder])
+            run_script(blender, folder, "measure_in_window.py", [], [folder])
             return
         count = QUICK_EDITS if options.quick else EDITS
         words = [options.seed, count, folder, samples / "turntable.blend"]
