@@ -8,7 +8,7 @@ real.py says what it needs.
 from pathlib import Path
 
 import numpy as np
-from real import ROOT, check, installed, parse
+from real import ROOT, check, install, installed, parse
 
 from iwis.core.exr import read_exr_layers
 
@@ -37,7 +37,7 @@ def check_layers(path: Path) -> None:
 def main() -> None:
     sample = ROOT / "sample_blends/statue.blend"
     options = parse(__doc__, (["blend"], {"nargs": "?", "type": Path, "default": sample}))
-    with installed(options) as (blender, folder):
+    with installed(options) as (blender, folder, package):
         arguments = ["-b", options.blend.resolve(), "-E", "IWIS", "-o", folder / "out_####"]
         arguments += ["-F", "OPEN_EXR_MULTILAYER"]
         text = blender.run(*arguments, "--python-expr", SMALL + ALL_PASSES, "-f", "1")
@@ -45,8 +45,12 @@ def main() -> None:
         check_layers(folder / "out_0001.exr")
         blender.run(*arguments, "--python-expr", NO_CAMERA, "-f", "2", expected_code=1)
         check(not (folder / "out_0002.exr").exists(), "without a camera: exit code 1 and no file")
+        install(blender, package)
+        check("IWIS" in blender.engines(), "installed over itself, as an upgrade is")
         blender.run("--command", "extension", "remove", "iwis")
         check("IWIS" not in blender.engines(), "removed again")
+        left = [p for p in (folder / "resources" / "extensions").rglob("*") if "iwis" in p.name]
+        check(not left, f"no file is left: {left}")
 
 
 if __name__ == "__main__":

@@ -77,7 +77,7 @@ def main() -> None:
         (["--seed"], {"type": int, "default": 1, "help": "other edits"}),
     )
     samples = ROOT / "sample_blends"
-    with installed(options) as (blender, folder):
+    with installed(options) as (blender, folder, _):
         if options.measure:
             run_script(blender, folder, "measure_in_window.py", [], [folder])
             return

@@ -60,6 +60,11 @@ def build_zip(python_tag: str) -> Path:
     return sorted((ROOT / "dist").glob(f"iwis-*-linux-x64-{python_tag}.zip"))[-1]
 
 
+def install(blender: Blender, package: Path) -> None:
+    """Install the extension from its zip, enabled."""
+    blender.run("--command", "extension", "install-file", "-r", "user_default", "-e", package)
+
+
 def check(condition, what: str) -> None:
     if not condition:
         sys.exit(f"wrong: {what}")
@@ -78,7 +83,7 @@ def parse(description: str, *more) -> argparse.Namespace:
 
 @contextlib.contextmanager
 def installed(options):
-    """A Blender with the extension, and a folder for what it writes; both gone afterwards."""
+    """A Blender with the extension, a folder that is gone afterwards, and the zip."""
     program = options.blender or subprocess.check_output(
         [HERE / "get_blender.sh"], text=True, stdin=subprocess.DEVNULL
     )
@@ -87,7 +92,7 @@ def installed(options):
         blender = Blender(program.strip(), folder / "resources")
         print(blender.run("-b", "--version").splitlines()[0])
         package = options.zip or build_zip(blender.python_tag())
-        blender.run("--command", "extension", "install-file", "-r", "user_default", "-e", package)
+        install(blender, package)
         # install-file answers 0 even when it fails
         check("IWIS" in blender.engines(), "Blender lists the engine IWIS")
-        yield blender, folder
+        yield blender, folder, package
