@@ -18,8 +18,8 @@ class Notice(NamedTuple):
     count: int
 
 
-# "Object Cube: text", 'material "M", node "N" (object A): text': where and what.
-_WHERE = re.compile(r"^(?:(?:Object|Mesh|Camera|Scene|material|world|image)\s.*?(?<!\\):)\s+")
+# 'Object Cube: text', 'object "A", material "M", node "N": text': where and what.
+_WHERE = re.compile(r"^(?:object|mesh|camera|scene|material|world|image)\s.*?(?<!\\):\s+", re.I)
 
 
 def merge(lines: list[str]) -> list[Notice]:

@@ -13,17 +13,26 @@ OVERLAYS = (
 )
 
 
+def _redraw_views(_properties, context):
+    # Set by a script, an add-on's property redraws nothing by itself.
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
 class IWISViewportProperties(bpy.types.PropertyGroup):
     """Settings of the rendered view where they differ from a final render's."""
 
     error_threshold: FloatProperty(
-        name="Noise Threshold",
+        name="Error Threshold",
         description="The relative noise at which a pixel of the rendered view is done",
         default=0.2,
         min=LIMITS["error_threshold"][0],
         max=LIMITS["error_threshold"][1],
         soft_max=1.0,
         precision=3,
+        update=_redraw_views,
     )
     max_samples: IntProperty(
         name="Max Samples",
@@ -32,6 +41,7 @@ class IWISViewportProperties(bpy.types.PropertyGroup):
         min=LIMITS["max_samples"][0],
         max=LIMITS["max_samples"][1],
         soft_max=1024,
+        update=_redraw_views,
     )
     pixel_filter: EnumProperty(
         name="Filter Type",
@@ -42,10 +52,12 @@ class IWISViewportProperties(bpy.types.PropertyGroup):
             ("BLACKMAN_HARRIS", "Blackman-Harris", "As Cycles has it by default"),
         ],
         default="CENTER",
+        update=_redraw_views,
     )
     overlay: EnumProperty(
         name="Show",
         description="What the rendered view shows",
         items=OVERLAYS,
         default="COMBINED",
+        update=_redraw_views,
     )

@@ -179,10 +179,10 @@ def test_notices_merge_what_is_the_same_of_many():
     """One notice for a kind, with its lines, and how often it came."""
     lines = [
         "Object A: 3 triangles left out",
-        'material "M", node "N" (object B): Anisotropy is not supported',
+        'object "B", material "M", node "N": Anisotropy is not supported',
         "Object C: 12 triangles left out",
         "Object A: 3 triangles left out",
-        'material "K", node "N" (object C): Anisotropy is not supported',
+        'object "C", material "K", node "N": Anisotropy is not supported',
         "Only the world lights the scene, lights are ignored: Light",
     ]
     notices = merge(lines)

@@ -10,6 +10,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import bpy
 import inside
+import numpy as np
 
 FOLDER = Path(inside.words()[0])
 
@@ -51,6 +52,24 @@ def spoil(scene):
         scene.collection.objects.link(bpy.data.objects.new(name, mesh))
 
 
+def override(area):
+    return bpy.context.temp_override(
+        window=bpy.context.window_manager.windows[0],
+        area=area,
+        region=inside.view_window_region(area),
+    )
+
+
+def half_hidden_pixel() -> tuple[int, int]:
+    """The pixel of the last render that sees nearest to half of its light."""
+    name = next(m for m in sys.modules if m.endswith("iwis.iwis_addon.job"))
+    film = next(iter(sys.modules[name].RenderJob.current.numbers.values()))
+    far = np.abs(film.layers["visibility"] - 0.5)
+    far[film.layers["samples"] < film.layers["samples"].max() / 2] = 1.0
+    y, x = np.unravel_index(far.argmin(), far.shape)
+    return int(x), int(y)
+
+
 def main():
     scene, area = bpy.context.window_manager.windows[0].scene, inside.view_area()
     inside.show_rendered()
@@ -68,13 +87,11 @@ def main():
     yield from final_render()
     yield from shot("warnings", area)
     area.type = "IMAGE_EDITOR"
-    with bpy.context.temp_override(
-        window=bpy.context.window_manager.windows[0],
-        area=area,
-        region=inside.view_window_region(area),
-    ):
-        bpy.ops.iwis.inspect_pixel(x=150, y=200, height=256)
-        yield 0.5
+    with override(area):
+        x, y = half_hidden_pixel()
+        bpy.ops.iwis.inspect_pixel(x=x, y=y, height=256)
+    yield 0.5
+    with override(area):
         bpy.ops.image.view_all(fit_view=True)
     yield from shot("pixel-sampling", area)
     inside.say("END")
