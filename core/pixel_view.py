@@ -6,6 +6,7 @@ shading point, in world space, as Blender's: u = .5 - atan2(y, x) / 2 pi, row 0 
 
 from __future__ import annotations
 
+import dataclasses
 from typing import NamedTuple
 
 import numpy as np
@@ -58,6 +59,8 @@ def look_at_pixel(
     camera = scene.camera
     if not (0 <= x < camera.width and 0 <= y < camera.height):
         raise ValueError(f"pixel ({x}, {y}) is outside the frame, {camera.width}x{camera.height}")
+    if settings.stop_rule == "BUDGET":  # of a whole frame
+        settings = dataclasses.replace(settings, stop_rule="PERCEPTUAL")
     job = _make_job(scene, settings, cache or RenderCache())
     rect = Rect(x, y, 1, 1)
     points = trace_points(job, *camera_rays(camera, *rect))

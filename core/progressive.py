@@ -18,10 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .center_tile import CenterTile
 from .film import LAYERS
-from .filtered_tile import FilteredTile
-from .render import tile_rects, worker_count
+from .render import make_tile, tile_rects, worker_count
 from .render_cache import RenderCache
 from .scene import Camera, Scene
 from .sequence import common_points
@@ -139,8 +137,7 @@ def _seen_by(scene: Scene, camera: Camera) -> Scene:
 
 
 def _works(job: Job) -> list[TileWork]:
-    kind = CenterTile if job.settings.pixel_filter == "CENTER" else FilteredTile
-    return [kind(job, r) for r in tile_rects(job.scene.camera.region, job.settings.tile_px)]
+    return [make_tile(job, r) for r in tile_rects(job.scene.camera.region, job.settings.tile_px)]
 
 
 def _new_layers(region) -> dict[str, np.ndarray]:

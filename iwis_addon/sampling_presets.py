@@ -18,6 +18,8 @@ SETTINGS = (
     "stop_rule",
     "error_threshold",
     "max_samples",
+    "target_samples",
+    "time_limit",
     "batch_size",
     "coefficients",
     "pixel_filter",

@@ -7,7 +7,7 @@ from iwis.core.pixel_view import draw_pixel_view, look_at_pixel, map_directions,
 from iwis.core.settings import RenderSettings
 from support.scenes import make_picture, varied_scene
 
-SETTINGS = {"max_samples": 32, "stop_rule": "FIXED"}
+SETTINGS = {"pixel_filter": "CENTER", "max_samples": 32, "stop_rule": "FIXED"}
 
 
 def test_texels_and_directions_are_inverse():

@@ -18,7 +18,7 @@ from iwis.core.settings import RenderSettings
 from iwis.core.watch import Cancelled, StopFlag
 from support.scenes import camera_above, make_picture, varied_scene
 
-SETTINGS = {"max_samples": 24, "error_threshold": 0.2, "tile_px": 16}
+SETTINGS = {"pixel_filter": "CENTER", "max_samples": 24, "error_threshold": 0.2, "tile_px": 16}
 
 
 class Screen:
