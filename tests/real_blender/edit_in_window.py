@@ -250,7 +250,7 @@ def back_to_iwis():
 def check_restarts():
     """What begins the picture anew, and what does not."""
     inside.show_rendered()
-    yield from inside.until(inside.converged, 300.0, "the first picture")
+    yield from inside.until(inside.converged, 900.0, "the first picture")
     quiet = [("a click on an object", select_object), ("a redraw", inside.view_area().tag_redraw)]
     changes = [
         ("moving an object", move_object),

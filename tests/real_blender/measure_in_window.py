@@ -98,7 +98,7 @@ def main():
     material = bpy.data.materials.new("Plain")
     cube.data.materials.clear()
     cube.data.materials.append(material)
-    yield from inside.until(inside.converged, 300.0, "the first picture")
+    yield from inside.until(inside.converged, 900.0, "the first picture")
     region = inside.view_window_region()
     inside.say(f"view of {region.width} x {region.height} pixels, Blender {bpy.app.version_string}")
     background = scene.world.node_tree.nodes["Background"]

@@ -75,7 +75,7 @@ def main():
     inside.show_rendered()
     view = area.spaces.active.region_3d
     view.view_perspective = "CAMERA"
-    yield from inside.until(inside.converged, 300.0, "the rendered view")
+    yield from inside.until(inside.converged, 900.0, "the rendered view")
     yield from shot("viewport", area)
     scene.iwis.viewport.overlay = "SAMPLES"
     yield from shot("viewport-samples", area)

@@ -20,7 +20,9 @@ class Window:
         if not self._through and shutil.which("Xvfb") is None:
             raise SystemExit("Xvfb is missing: install the Debian packages xvfb and scrot")
         self._program, self._size, self.log = program, size, log
-        self._environment = dict(environment, LIBGL_ALWAYS_SOFTWARE="1")
+        # Its own: another program that writes the shared cache at the same time may end this one.
+        shaders = {"MESA_SHADER_CACHE_DIR": str(log.parent / "shaders")}
+        self._environment = dict(environment, LIBGL_ALWAYS_SOFTWARE="1", **shaders)
         self.process = self._screen = None
 
     def __enter__(self):
