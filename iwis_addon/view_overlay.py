@@ -17,7 +17,8 @@ from .settings import viewport_settings
 from .view_picture import make_texture
 from .viewport import living
 
-_WIDTH, _HEIGHT, _MARGIN = 16, 180, 24
+_WIDTH, _HEIGHT = 16, 180
+_LEFT, _BELOW = 64, 48  # beside the toolbar
 _state: dict = {"handle": None}
 _textures: dict = {}
 
@@ -49,7 +50,7 @@ def _draw() -> None:
 def _draw_legend(scale, ui) -> None:
     if "legend" not in _textures:
         _textures["legend"] = make_texture(legend(64))
-    x, y, height = _MARGIN * ui, 2 * _MARGIN * ui, _HEIGHT * ui
+    x, y, height = _LEFT * ui, _BELOW * ui, _HEIGHT * ui
     gpu.state.blend_set("NONE")
     draw_texture_2d(_textures["legend"], (x, y), _WIDTH * ui, height)
     blf.size(0, 11 * ui)
