@@ -14,7 +14,7 @@ from iwis.iwis_addon.notices import advice_before_render, environment_node, merg
 from iwis.iwis_addon.preferences import IWISPreferences
 from iwis.iwis_addon.sampling_presets import SETTINGS
 from iwis.iwis_addon.settings import render_settings
-from iwis.operators.warned import select_named
+from iwis.operators.warned import select_named, warnings_text
 
 # Panels without which a user cannot edit what IWIS renders.
 NEEDED = (
@@ -226,3 +226,25 @@ def test_missing_package_is_told_first(cube_scene, monkeypatch):
     monkeypatch.setattr(dependencies, "NEEDED", ("numba", "not_there"))
     lines = advice_before_render(cube_scene)
     assert "not_there" in lines[0] and "zip" in lines[1]
+
+
+def test_warnings_are_copied_with_their_counts_and_select_objects(cube_scene):
+    """Each line once, with how often it came; the button of a warning selects what it names."""
+    lines = ["Object Cube: broken", "Only the world lights the scene", "Object Cube: broken"]
+    RenderJob.get().records.append(
+        RenderRecord(1, "ViewLayer", "", RenderStats(warnings=list(lines)))
+    )
+    assert warnings_text() == "Object Cube: broken (x 2)\nOnly the world lights the scene"
+    assert bpy.ops.iwis.select_warned(number=0) == {"FINISHED"}
+    assert [thing.name for thing in bpy.context.selected_objects] == ["Cube"]
+    assert bpy.ops.iwis.select_warned(number=1) == {"CANCELLED"}
+    with pytest.raises(RuntimeError, match="no such warning"):
+        bpy.ops.iwis.select_warned(number=7)
+
+
+def test_overlay_is_chosen_for_iwis_only(scene):
+    """The menu's choice is the property that the view reads."""
+    assert bpy.ops.iwis.view_overlay(overlay="ERROR") == {"FINISHED"}
+    assert scene.iwis.viewport.overlay == "ERROR"
+    scene.render.engine = "CYCLES"
+    assert not bpy.ops.iwis.view_overlay.poll()
