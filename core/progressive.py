@@ -34,6 +34,7 @@ SHOWN = ("combined", "samples", "error", "visibility")
 # The first picture's time: with Blender's own drawing, ten pictures a second while one orbits.
 FIRST_SECONDS = 0.06
 _COARSE_SAMPLES = 4
+_TILE_PX = 32  # at the most: a coarse picture has few pixels, and all threads are to have some
 _SECONDS_BETWEEN_PICTURES = 0.15
 
 
@@ -137,7 +138,8 @@ def _seen_by(scene: Scene, camera: Camera) -> Scene:
 
 
 def _works(job: Job) -> list[TileWork]:
-    return [make_tile(job, r) for r in tile_rects(job.scene.camera.region, job.settings.tile_px)]
+    tile_px = min(job.settings.tile_px, _TILE_PX)
+    return [make_tile(job, rect) for rect in tile_rects(job.scene.camera.region, tile_px)]
 
 
 def _new_layers(region) -> dict[str, np.ndarray]:
