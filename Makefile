@@ -50,10 +50,12 @@ zip:
 	@python="$$($(venv_python))" && "$$python" scripts/build_zip.py \
 		$(if $(PLATFORM),--platform $(PLATFORM)) $(if $(PY),--python $(PY))
 
-# One render by a real Blender program (Debian's own; root, 1 GB) with the zip installed.
+# A render, and edits in the window, by a real Blender program (Debian's own; root, 1 GB) with the
+# zip installed. ARGS=--quick: fewer edits; ARGS=--measure: latencies of the rendered view instead.
 test-blender:
 	@python="$$($(venv_python))" && "$$python" tests/real_blender/check_render.py \
-		$(if $(BLENDER),--blender "$(BLENDER)")
+		$(if $(BLENDER),--blender "$(BLENDER)") && \
+	"$$python" tests/real_blender/check_window.py $(ARGS) $(if $(BLENDER),--blender "$(BLENDER)")
 
 venv:
 	@$(venv_python)

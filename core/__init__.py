@@ -23,4 +23,5 @@ In the order of the data; a module imports only from groups with a smaller numbe
     two_stage, tile_job                              9  another one; a tile's work
     center_tile, filtered_tile, budget, warm_up     10  one shading point a pixel, several; BUDGET
     render                                          11  the entry point
+    progressive, pixel_view                         12  pictures for a window; one pixel's samples
 """

@@ -17,7 +17,7 @@ from .block_loop import Places, Room, continue_blocks, new_room
 from .camera import planar_depth
 from .film import Tile
 from .guide import Guides
-from .incremental import PixelSums, continue_points
+from .incremental import PixelSums, Sampler, continue_points
 from .light_rays import Light
 from .lobe_setup import setup_lobes
 from .lobes import DIFFUSE_LOBE, Lobes
@@ -26,7 +26,7 @@ from .paper import PaperSampler
 from .paper_tables import PaperTables
 from .sample_plan import Demand
 from .scene import Camera, Scene
-from .sequence import pixel_sequence
+from .sequence import PixelSequence, pixel_sequence
 from .settings import RenderSettings
 from .shading import ShadingPoints, params_at, shading_points
 from .stop_rule import PAPER_RULE, Rule
@@ -209,7 +209,9 @@ def _add_by_rays(job, seen, places, sequence, sums, bounds, rule, _) -> int:
     traced = 0
     for block in _long_blocks(bounds):
         own, part = seen.at(block), PixelSums(*(column[block] for column in sums))
-        sampler = _sampler(job, own, sequence._replace(x=sequence.x[block], y=sequence.y[block]))
+        sampler = make_sampler(
+            job, own, sequence._replace(x=sequence.x[block], y=sequence.y[block])
+        )
         near = None
         if rule.kind != PAPER_RULE:
             where = places.column[block], places.row[block]
@@ -222,7 +224,8 @@ def _add_by_rays(job, seen, places, sequence, sums, bounds, rule, _) -> int:
     return traced
 
 
-def _sampler(job, seen, sequence):
+def make_sampler(job: Job, seen: SeenPoints, sequence: PixelSequence) -> Sampler:
+    """The sampler of the settings' estimator that writes its rays. sequence: of the points"""
     points, lobes, rows = seen
     if job.settings.estimator == "PAPER":
         return PaperSampler(points, lobes, rows, job.tables, sequence, job.accel.offset)

@@ -11,6 +11,7 @@ from .export import ExportError
 from .job import ENGINE, RenderJob
 from .passes import register_passes
 from .session import FinalRender
+from .viewport import Viewport
 
 log = logging.getLogger(__name__)
 
@@ -32,6 +33,8 @@ class IWISRenderEngine(bpy.types.RenderEngine):
     bl_use_preview = False  # Blender lights material previews with lamps, not with an HDRI
     bl_use_spherical_stereo = False
 
+    viewport: Viewport | None = None  # of an engine object that shows the rendered view
+
     def update(self, data=None, depsgraph=None):
         """Export, while Blender keeps its windows still. A failure waits for render()."""
         self.failure = None
@@ -52,6 +55,24 @@ class IWISRenderEngine(bpy.types.RenderEngine):
             self.failure = error
         session.complete()
         self.tell_failure()
+
+    def view_update(self, context, depsgraph):
+        """Read what has changed, for the rendered view; a failure is shown in the view."""
+        if self.viewport is None:
+            self.viewport = Viewport(self)
+        try:
+            self.viewport.update(context, depsgraph)
+        except Exception as error:
+            self.viewport.fail(_message(error))
+
+    def view_draw(self, context, depsgraph):
+        """Draw the last picture of the rendered view."""
+        if self.viewport is None:
+            return
+        try:
+            self.viewport.draw(context, depsgraph)
+        except Exception as error:
+            self.viewport.fail(_message(error))
 
     def update_render_passes(self, scene=None, renderlayer=None):
         register_passes(self, scene, renderlayer)

@@ -21,6 +21,7 @@ from bpy.app.handlers import persistent
 from ..core.film import Film
 from ..core.stats import RenderStats
 from .export import ExportCache
+from .number_film import NumberFilm
 
 log = logging.getLogger(__name__)
 
@@ -42,6 +43,7 @@ class RenderJob:
 
     records: one a frame, view layer and view, in the order of rendering
     films: (view layer, view) -> Film of the last frame, filled with `scene.iwis.keep_film`
+    numbers: likewise NumberFilm, filled in a window and with `scene.iwis.keep_film`
     interrupt: the command line's event; once it is set, all renders end as by a user's Esc
     """
 
@@ -51,6 +53,7 @@ class RenderJob:
     def __init__(self):
         self.records: list[RenderRecord] = []
         self.films: dict[tuple[str, str], Film] = {}
+        self.numbers: dict[tuple[str, str], NumberFilm] = {}
         self._warned: set[str] = set()
         self.export_cache = ExportCache()
         self._render_cache = None

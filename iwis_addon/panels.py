@@ -6,9 +6,11 @@ from typing import ClassVar
 
 import bpy
 
-from . import dependencies
-from .job import ENGINE, RenderJob
+from .job import ENGINE
+from .panel_base import IWISPanel
 from .passes import TABLE
+from .preferences import add_on_preferences, cache_dir
+from .sampling_presets import IWIS_PT_sampling_presets
 
 # Blender's panels for every engine that mean nothing here: there are no lamps, no Freestyle, no
 # material previews.
@@ -59,43 +61,33 @@ def _is_joined(panel) -> bool:
     return "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ())
 
 
-class _IWISPanel:
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "render"
-    COMPAT_ENGINES: ClassVar[set[str]] = {ENGINE}
-
-    @classmethod
-    def poll(cls, context):
-        return context.engine in cls.COMPAT_ENGINES
-
-    def split_layout(self):
-        """The panel's layout with labels on the left."""
-        self.layout.use_property_split = True
-        self.layout.use_property_decorate = False
-        return self.layout
-
-
-class IWIS_PT_warnings(_IWISPanel, bpy.types.Panel):
-    """What keeps IWIS from rendering, and what the last render could not show as set."""
-
-    bl_label = "Warnings"
-    bl_order = 0
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and bool(dependencies.missing() or last_warnings())
-
-    def draw(self, context):
-        for line in dependencies.advice():
-            self.layout.label(text=line, icon="ERROR")
-        for line in last_warnings():
-            self.layout.label(text=line, icon="INFO")
-
-
-class IWIS_PT_sampling(_IWISPanel, bpy.types.Panel):
+class IWIS_PT_sampling(IWISPanel, bpy.types.Panel):
     bl_label = "Sampling"
     bl_order = 1
+
+    def draw_header_preset(self, _context):
+        IWIS_PT_sampling_presets.draw_panel_header(self.layout)
+
+    def draw(self, context):
+        pass
+
+
+class IWIS_PT_sampling_viewport(IWISPanel, bpy.types.Panel):
+    bl_label = "Viewport"
+    bl_parent_id = "IWIS_PT_sampling"
+
+    def draw(self, context):
+        layout, own = self.split_layout(), context.scene.iwis.viewport
+        column = layout.column(align=True)
+        column.prop(own, "error_threshold")
+        column.prop(own, "max_samples")
+        layout.prop(own, "pixel_filter")
+        layout.prop(own, "overlay")
+
+
+class IWIS_PT_sampling_render(IWISPanel, bpy.types.Panel):
+    bl_label = "Render"
+    bl_parent_id = "IWIS_PT_sampling"
 
     def draw(self, context):
         layout, iwis = self.split_layout(), context.scene.iwis
@@ -111,7 +103,7 @@ class IWIS_PT_sampling(_IWISPanel, bpy.types.Panel):
         column.prop(iwis, "max_samples")
 
 
-class IWIS_PT_sampling_advanced(_IWISPanel, bpy.types.Panel):
+class IWIS_PT_sampling_advanced(IWISPanel, bpy.types.Panel):
     bl_label = "Advanced"
     bl_parent_id = "IWIS_PT_sampling"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
@@ -124,32 +116,67 @@ class IWIS_PT_sampling_advanced(_IWISPanel, bpy.types.Panel):
             "batch_size",
             "decorrelation",
             "seed",
+            "use_animated_seed",
         ):
             layout.prop(iwis, name)
+        layout.operator("iwis.copy_cycles_settings")
 
 
-class IWIS_PT_performance(_IWISPanel, bpy.types.Panel):
+class IWIS_PT_performance(IWISPanel, bpy.types.Panel):
     bl_label = "Performance"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
-    bl_order = 2
+    bl_order = 5
 
     def draw(self, context):
-        layout, iwis = self.split_layout(), context.scene.iwis
-        layout.prop(context.scene.render, "threads_mode")
-        row = layout.row()
-        row.active = context.scene.render.threads_mode == "FIXED"
-        row.prop(context.scene.render, "threads")
-        layout.prop(iwis, "threads", text="IWIS Threads")
-        layout.prop(iwis, "tile_px")
-        layout.prop(context.scene.render, "use_persistent_data")
-        layout.operator("iwis.bake_tables")
+        pass
+
+
+class IWIS_PT_performance_threads(IWISPanel, bpy.types.Panel):
+    bl_label = "Threads"
+    bl_parent_id = "IWIS_PT_performance"
+
+    def draw(self, context):
+        layout, render = self.split_layout(), context.scene.render
+        layout.prop(render, "threads_mode")
+        column = layout.column()
+        column.enabled = render.threads_mode == "FIXED"
+        column.prop(render, "threads")
+        layout.prop(context.scene.iwis, "threads", text="IWIS Threads")
+
+
+class IWIS_PT_performance_memory(IWISPanel, bpy.types.Panel):
+    bl_label = "Memory"
+    bl_parent_id = "IWIS_PT_performance"
+
+    def draw(self, context):
+        layout = self.split_layout()
+        layout.prop(context.scene.iwis, "tile_px")
+        preferences = add_on_preferences()
+        if preferences is not None:
+            layout.prop(preferences, "cache_dir", placeholder=cache_dir())
         layout.operator("iwis.clear_cache")
 
 
-class IWIS_PT_simplify(_IWISPanel, bpy.types.Panel):
+class IWIS_PT_performance_final(IWISPanel, bpy.types.Panel):
+    bl_label = "Final Render"
+    bl_parent_id = "IWIS_PT_performance"
+
+    def draw(self, context):
+        self.split_layout().prop(context.scene.render, "use_persistent_data")
+
+
+class IWIS_PT_performance_viewport(IWISPanel, bpy.types.Panel):
+    bl_label = "Viewport"
+    bl_parent_id = "IWIS_PT_performance"
+
+    def draw(self, context):
+        self.split_layout().prop(context.scene.render, "preview_pixel_size", text="Pixel Size")
+
+
+class IWIS_PT_simplify(IWISPanel, bpy.types.Panel):
     bl_label = "Simplify"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
-    bl_order = 4
+    bl_order = 3
 
     def draw_header(self, context):
         self.layout.prop(context.scene.render, "use_simplify", text="")
@@ -161,19 +188,21 @@ class IWIS_PT_simplify(_IWISPanel, bpy.types.Panel):
         layout.prop(render, "simplify_child_particles_render", text="Max Child Particles")
 
 
-class IWIS_PT_film(_IWISPanel, bpy.types.Panel):
+class IWIS_PT_film(IWISPanel, bpy.types.Panel):
     bl_label = "Film"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
-    bl_order = 3
+    bl_order = 4
 
     def draw(self, context):
         layout = self.split_layout()
+        if hasattr(context.scene, "cycles"):  # the exposure is Cycles' own, as long as it is on
+            layout.prop(context.scene.cycles, "film_exposure")
         layout.prop(context.scene.render, "film_transparent", text="Transparent")
         layout.prop(context.scene.iwis, "keep_film")
         layout.operator("iwis.save_film")
 
 
-class IWIS_PT_film_pixel_filter(_IWISPanel, bpy.types.Panel):
+class IWIS_PT_film_pixel_filter(IWISPanel, bpy.types.Panel):
     bl_label = "Pixel Filter"
     bl_parent_id = "IWIS_PT_film"
 
@@ -184,7 +213,7 @@ class IWIS_PT_film_pixel_filter(_IWISPanel, bpy.types.Panel):
             column.prop(iwis, "filter_width", text="Width")
 
 
-class _PassesPanel(_IWISPanel):
+class _PassesPanel(IWISPanel):
     bl_context = "view_layer"
     bl_parent_id = "VIEWLAYER_PT_layer_passes"
     group = ""
@@ -213,10 +242,15 @@ class IWIS_PT_passes_iwis(_PassesPanel, bpy.types.Panel):
 
 
 CLASSES = (
-    IWIS_PT_warnings,
     IWIS_PT_sampling,
+    IWIS_PT_sampling_viewport,
+    IWIS_PT_sampling_render,
     IWIS_PT_sampling_advanced,
     IWIS_PT_performance,
+    IWIS_PT_performance_threads,
+    IWIS_PT_performance_memory,
+    IWIS_PT_performance_final,
+    IWIS_PT_performance_viewport,
     IWIS_PT_film,
     IWIS_PT_film_pixel_filter,
     IWIS_PT_simplify,
@@ -224,14 +258,6 @@ CLASSES = (
     IWIS_PT_passes_light,
     IWIS_PT_passes_iwis,
 )
-
-
-def last_warnings() -> list[str]:
-    """What the last render warned of, each line once."""
-    if RenderJob.current is None:
-        return []
-    lines = (line for record in RenderJob.current.records for line in record.stats.warnings)
-    return list(dict.fromkeys(lines))
 
 
 def register() -> None:

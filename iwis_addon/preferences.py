@@ -30,15 +30,21 @@ class IWISPreferences(bpy.types.AddonPreferences):
         row.operator("iwis.clear_cache")
 
 
+def add_on_preferences():
+    """IWIS' preferences; None where it was registered by hand."""
+    addon = bpy.context.preferences.addons.get(ADDON_ID)
+    return None if addon is None else addon.preferences
+
+
 def cache_dir() -> str:
     """The folder of tables and compiled kernels; "" where the core's own default is meant.
 
     In this order: the preferences, the environment's IWIS_CACHE_DIR, the folder that Blender gives
     an extension.
     """
-    addon = bpy.context.preferences.addons.get(ADDON_ID)
-    if addon is not None and addon.preferences is not None and addon.preferences.cache_dir:
-        return bpy.path.abspath(addon.preferences.cache_dir)
+    own = add_on_preferences()
+    if own is not None and own.cache_dir:
+        return bpy.path.abspath(own.cache_dir)
     if os.environ.get(ENVIRONMENT):
         return os.environ[ENVIRONMENT]
     try:

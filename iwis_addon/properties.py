@@ -4,6 +4,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 from ..core.settings import CHOICES, LIMITS, RenderSettings
+from .viewport_properties import IWISViewportProperties
 
 _DEFAULTS = RenderSettings()
 
@@ -126,6 +127,11 @@ class IWISSceneProperties(bpy.types.PropertyGroup):
         )
     )
     seed: IntProperty(**_number("seed", name="Seed", description="Another seed, other noise"))
+    use_animated_seed: BoolProperty(
+        name="Animate Seed",
+        description="Use another seed for every frame",
+        default=False,
+    )
     threads: IntProperty(
         **_number(
             "threads",
@@ -148,6 +154,7 @@ class IWISSceneProperties(bpy.types.PropertyGroup):
         default=False,
         options=set(),
     )
+    viewport: PointerProperty(type=IWISViewportProperties)
 
 
 class IWISViewLayerProperties(bpy.types.PropertyGroup):
@@ -185,7 +192,7 @@ class IWISViewLayerProperties(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (IWISSceneProperties, IWISViewLayerProperties)
+CLASSES = (IWISViewportProperties, IWISSceneProperties, IWISViewLayerProperties)
 
 
 def register() -> None:

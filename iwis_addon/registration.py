@@ -3,9 +3,33 @@
 from __future__ import annotations
 
 from .. import operators
-from . import dependencies, engine, job, measured, panels, preferences, properties
+from . import (
+    dependencies,
+    engine,
+    job,
+    measured,
+    panels,
+    panels_status,
+    preferences,
+    properties,
+    sampling_presets,
+    view_overlay,
+    viewport,
+)
 
-MODULES = (preferences, properties, operators, job, engine, panels, measured)
+MODULES = (
+    preferences,
+    properties,
+    operators,
+    job,
+    viewport,
+    view_overlay,
+    engine,
+    sampling_presets,
+    panels,
+    panels_status,
+    measured,
+)
 
 
 def register() -> None:

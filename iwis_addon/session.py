@@ -5,12 +5,15 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 
+import bpy
+
 from ..core.film import Film
 from ..core.scene import Scene
 from ..core.stats import RenderStats
 from . import dependencies, stereo
 from .export import ExportCancelled, export_scene
 from .job import RenderJob, RenderRecord
+from .number_film import NumberFilm
 from .output import check_room
 from .passes import add_passes
 from .preferences import share_cache_dir
@@ -67,9 +70,9 @@ class FinalRender:
             raise KeyboardInterrupt
 
     def _render_view(self, view, scene, rows):
-        film = Film(scene.camera.region) if self._keep_film else None
+        films = self._new_films(view, scene.camera.region)
         sink = BlenderSink(
-            self.engine, self.layer, view, rows, scene.camera.region, self.settings, film
+            self.engine, self.layer, view, rows, scene.camera.region, self.settings, films
         )
         share_cache_dir()
         self.engine.update_stats("", "Loading; a machine's first render compiles for a minute")
@@ -84,8 +87,17 @@ class FinalRender:
             x0, y0, x1, y1 = scene.camera.region
             stats = RenderStats(width=x1 - x0, height=y1 - y0, cancelled=True)
         self._record(view, stats, sink.output_seconds)
-        if film is not None:
-            self.job.films[self.layer, view] = film
+
+    def _new_films(self, view, region) -> list:
+        """What the job keeps of a view's picture beside Blender's result."""
+        key, films = (self.layer, view), []
+        if self._keep_film:
+            self.job.films[key] = Film(region)
+            films.append(self.job.films[key])
+        if self._keep_film or not bpy.app.background:
+            self.job.numbers[key] = NumberFilm(region, self.settings)
+            films.append(self.job.numbers[key])
+        return films
 
     def _render(self, scene, relay):
         dependencies.require()

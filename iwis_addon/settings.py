@@ -16,8 +16,23 @@ def render_settings(scene) -> RenderSettings:
         for field in dataclasses.fields(RenderSettings)
         if field.name not in NOT_ON_SCENE
     }
+    if scene.iwis.use_animated_seed:
+        values["seed"] = (values["seed"] + scene.frame_current) % (LIMITS["seed"][1] + 1)
     values["threads"] = values["threads"] or _blender_threads(scene)
     return RenderSettings(**values, cache_dir=cache_dir())
+
+
+def viewport_settings(scene) -> RenderSettings:
+    """What the rendered view takes: the final settings, but for those that it has of its own."""
+    own = scene.iwis.viewport
+    return dataclasses.replace(
+        render_settings(scene),
+        error_threshold=_as_typed(own.error_threshold),
+        max_samples=own.max_samples,
+        pixel_filter=own.pixel_filter,
+        estimator="UNBIASED",
+        stop_rule="PERCEPTUAL",
+    )
 
 
 def _as_typed(value):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 
 import bpy
 
-from ..core.film import Film, Progress, Tile
+from ..core.film import Progress, Tile
 from ..core.settings import RenderSettings
 from ..core.stats import peak_memory_bytes
 from .job import RenderJob
@@ -25,7 +26,7 @@ class BlenderSink:
     """The TileSink of one view of one view layer; to be called by Blender's thread only.
 
     region: (x0, y0, x1, y1) of the frame that the render result covers
-    film: kept beside the result where a user wants it, else None
+    films: kept beside the result, each with a write_tile()
     """
 
     def __init__(
@@ -36,10 +37,10 @@ class BlenderSink:
         rows: list[Pass],
         region: tuple[int, int, int, int],
         settings: RenderSettings,
-        film: Film | None = None,
+        films: Sequence = (),
     ):
         self._engine, self._layer, self._view, self._rows = engine, layer, view, rows
-        self._region, self._film, self._settings = region, film, settings
+        self._region, self._films, self._settings = region, films, settings
         self._started = time.perf_counter()
         self._last_update = 0.0
         self.tiles_written = 0
@@ -61,8 +62,8 @@ class BlenderSink:
             target = passes.find_by_name(row.name, self._view)
             target.rect.foreach_set(tile.layers[row.layer].ravel())
         self._engine.end_result(result)
-        if self._film is not None:
-            self._film.write_tile(tile)
+        for film in self._films:
+            film.write_tile(tile)
         self.tiles_written += 1
         self.output_seconds += time.perf_counter() - started
 

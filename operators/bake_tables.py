@@ -13,7 +13,7 @@ class IWIS_OT_bake_tables(bpy.types.Operator):
     """Build the wavelet tables of world and materials, and keep them in the cache folder"""
 
     bl_idname = "iwis.bake_tables"
-    bl_label = "Bake Tables"
+    bl_label = "Bake Wavelet Tables"
 
     def execute(self, context):
         manager = context.window_manager

@@ -149,7 +149,7 @@ def test_root_imports_nothing_at_top_level():
     tree = ast.parse((ROOT / "__init__.py").read_text())
     assert not [node for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))]
     functions = [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
-    assert functions == ["register", "unregister"]
+    assert functions == ["register", "unregister", "settings", "render"]
 
 
 def call_options(source: str) -> set[tuple[str, object]]:

@@ -4,6 +4,7 @@ errors                       what can stop an export
 local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
 camera, material, world      the other parts of a Scene
 measured                     materials with a measured BRDF in place of nodes
+live                         a window's scene, of which only what has changed is read again
 """
 
 from __future__ import annotations
@@ -11,12 +12,20 @@ from __future__ import annotations
 from ...core.scene import NO_MEASURED, Scene
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
+from .live import LiveExport
 from .material import export_materials
 from .measured import add_measured, without_measured
 from .mesh import ExportCache, export_mesh
 from .world import export_world
 
-__all__ = ["ExportCache", "ExportCancelled", "ExportError", "export_scene"]
+__all__ = [
+    "ExportCache",
+    "ExportCancelled",
+    "ExportError",
+    "LiveExport",
+    "export_scene",
+    "film_exposure",
+]
 
 
 def export_scene(
@@ -26,22 +35,32 @@ def export_scene(
     warnings: list[str],
     cache: ExportCache | None = None,
     cancelled=lambda: False,
+    camera=None,
+    live: LiveExport | None = None,
 ) -> Scene:
     """All that one picture of the graph's scene and view layer needs.
 
     region: as for export_camera; cache: as for export_mesh and export_world
+    camera: a core.scene.Camera in place of the scene's; live: what of a window need not be read
     warnings: gets one line for all that is rendered otherwise than Cycles would
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
-    camera = export_camera(depsgraph, warnings, region=region)
+    camera = camera or export_camera(depsgraph, warnings, region=region)
+    keep = (live or LiveExport()).keep
     geometry = export_mesh(depsgraph, warnings, cache, cancelled)
-    materials, material_pass_index = export_materials(
-        without_measured(geometry.materials), warnings, geometry.material_users
+    materials, material_pass_index, measured = keep(
+        "materials",
+        geometry.materials,
+        warnings,
+        lambda lines: _export_materials(geometry, lines),
     )
-    materials, material_pass_index, measured = add_measured(
-        geometry.materials, materials, material_pass_index, geometry.material_users
+    texels = None if cache is None else cache.texels
+    environment = keep(
+        "world",
+        [depsgraph.scene_eval.world],
+        warnings,
+        lambda lines: export_world(depsgraph, lines, texels),
     )
-    environment = export_world(depsgraph, warnings, None if cache is None else cache.texels)
     if cancelled():
         raise ExportCancelled
     scene = depsgraph.scene_eval
@@ -54,7 +73,19 @@ def export_scene(
         object_pass_index=geometry.object_pass_index,
         terminator_offset=geometry.terminator_offset,
         transparent_film=scene.render.film_transparent,
-        # The film exposure belongs to Cycles' settings, there as long as its add-on is enabled.
         measured=measured or NO_MEASURED,
-        exposure=scene.cycles.film_exposure if hasattr(scene, "cycles") else 1.0,
+        exposure=film_exposure(scene),
+    )
+
+
+def film_exposure(scene) -> float:
+    """It belongs to Cycles' settings, there as long as its add-on is enabled."""
+    return scene.cycles.film_exposure if hasattr(scene, "cycles") else 1.0
+
+
+def _export_materials(geometry, warnings):
+    """(MaterialParams, pass indices, MeasuredBrdfs or None) of the materials of a mesh table."""
+    materials, users = geometry.materials, geometry.material_users
+    return add_measured(
+        materials, *export_materials(without_measured(materials), warnings, users), users
     )

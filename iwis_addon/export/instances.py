@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .errors import ExportCancelled
-from .local_mesh import LocalMesh, read_mesh
+from .local_mesh import LiveMeshes, LocalMesh, read_mesh
 
 UNSUPPORTED_TYPES = {
     "CURVES": "hair curves",
@@ -70,10 +70,11 @@ class _Ignored:
 class _Collector:
     """Turns depsgraph items into an Inventory while they are alive."""
 
-    def __init__(self, depsgraph, known, cancelled):
+    def __init__(self, depsgraph, known, cancelled, live):
         self._depsgraph = depsgraph
         self._known = known
         self._cancelled = cancelled
+        self._live = live
         self._override = depsgraph.view_layer_eval.material_override
         self._material_rows: dict[int, int] = {}
         self._parts: dict[tuple[int, int], tuple[int | None, list[int]]] = {}
@@ -102,7 +103,7 @@ class _Collector:
                 rows[i] = self._material_row(slot.material)
         return tuple(rows)
 
-    def _part(self, obj):
+    def _part(self, obj, owner):
         """Row of the object's mesh (None if it has no face) and the materials of its data."""
         data = obj.data
         edited = data.is_editmode
@@ -113,7 +114,10 @@ class _Collector:
                 raise ExportCancelled
             mesh = obj.to_mesh() if edited else data
             row, rows = None, []
-            local = read_mesh(mesh, self._known, self._cancelled)
+            if self._live is None or edited:
+                local = read_mesh(mesh, self._known, self._cancelled)
+            else:
+                local = self._live.read(owner, obj, mesh, self._known, self._cancelled)
             if local is not None:
                 row = len(self.inventory.parts)
                 self.inventory.parts.append(local)
@@ -124,10 +128,10 @@ class _Collector:
                 obj.to_mesh_clear()
         return self._parts[key]
 
-    def _add_mesh(self, obj, object_to_world):
+    def _add_mesh(self, obj, owner, object_to_world):
         if not obj.visible_camera and not obj.visible_shadow:
             return  # neither a camera ray nor a shadow ray, the only two kinds that there are
-        part, data_rows = self._part(obj)
+        part, data_rows = self._part(obj, owner)
         if part is None:
             return
         if not obj.visible_camera or not obj.visible_shadow:
@@ -162,7 +166,8 @@ class _Collector:
             return
         kind = obj.type
         if kind == "MESH":
-            self._add_mesh(obj, item.matrix_world)
+            owner = item.parent if item.is_instance and item.parent else obj
+            self._add_mesh(obj, owner, item.matrix_world)
         elif kind == "LIGHT":
             self.ignored.add("Only the world lights the scene, lights are ignored", obj.name)
         elif kind in UNSUPPORTED_TYPES:
@@ -175,16 +180,21 @@ def collect_instances(
     warnings: list[str],
     known: dict[bytes, LocalMesh] | None = None,
     cancelled=lambda: False,
+    live: LiveMeshes | None = None,
+    shown=None,
 ) -> Inventory:
     """All that a render of the graph shows, copied out of Blender.
 
     warnings: gets one line for each reason to leave objects out, with their names
-    known: as for read_mesh. Raises ExportCancelled as soon as cancelled() says so.
+    known: as for read_mesh; live: meshes that need not be read, in a window
+    shown(item): whether a window shows one of depsgraph.object_instances; None: all
+    Raises ExportCancelled as soon as cancelled() says so.
     """
-    collector = _Collector(depsgraph, known, cancelled)
+    collector = _Collector(depsgraph, known, cancelled, live)
     for number, item in enumerate(depsgraph.object_instances):
         if number % 256 == 0 and cancelled():
             raise ExportCancelled
-        collector.add(item)
+        if shown is None or shown(item):
+            collector.add(item)
     warnings.extend(collector.ignored.messages())
     return collector.inventory

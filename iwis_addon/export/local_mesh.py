@@ -36,6 +36,37 @@ class LocalMesh(NamedTuple):
     digest: bytes
 
 
+def session_uid(data) -> int:
+    """The number of bpy data that stays the same in a session; evaluated copies have none."""
+    return (data.original or data).session_uid
+
+
+class LiveMeshes:
+    """The meshes of a window's last export, while Blender says that they have not changed.
+
+    The graph of a window lives on and tells what it has evaluated anew. A mesh that it has not is
+    where it was, so that owner and address name it, and nothing of it need be read again.
+    """
+
+    def __init__(self):
+        self._last: dict[tuple[int, ...], LocalMesh | None] = {}
+        self._now: dict[tuple[int, ...], LocalMesh | None] = {}
+
+    def begin(self, changed: set[int] | None) -> None:
+        """A new export. changed: session_uid of what has new geometry; None: trust nothing."""
+        kept = {} if changed is None else self._now
+        self._last = {k: mesh for k, mesh in kept.items() if not changed & set(k[:3])}
+        self._now = {}
+
+    def read(self, owner, obj, mesh, known, cancelled) -> LocalMesh | None:
+        """As read_mesh, of an object's evaluated mesh. owner: the object, or what instances it."""
+        key = *map(session_uid, (owner, obj, mesh)), mesh.as_pointer()
+        if key not in self._now:
+            local = self._last.get(key)
+            self._now[key] = read_mesh(mesh, known, cancelled) if local is None else local
+        return self._now[key]
+
+
 class _Source(NamedTuple):
     """The arrays that decide a LocalMesh, before anything is derived from them."""
 

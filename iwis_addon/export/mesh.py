@@ -10,7 +10,7 @@ import numpy as np
 from ...core.scene import TriangleMesh
 from .errors import ExportError
 from .instances import Inventory, collect_instances
-from .local_mesh import LocalMesh
+from .local_mesh import LiveMeshes, LocalMesh
 from .placement import place_instances, usable_vertices
 from .texel_cache import TexelCache
 
@@ -50,6 +50,9 @@ class ExportCache:
         self.mesh: TriangleMesh | None = None
         self.warnings: list[str] = []
         self.texels = TexelCache()
+        # Of a window: what need not be read again, and which items it shows (collect_instances).
+        self.live: LiveMeshes | None = None
+        self.shown = None
 
     def remember(self, key, parts, mesh, warnings):
         self.parts = {part.digest: part for part in parts}
@@ -123,8 +126,9 @@ def export_mesh(
     cache: the same object for every frame of an animation; unchanged geometry is then reused
     Raises ExportError if there is too much, ExportCancelled as soon as cancelled() says so.
     """
-    known = None if cache is None else cache.parts
-    inventory = collect_instances(depsgraph, warnings, known, cancelled)
+    cached = (None,) * 3 if cache is None else (cache.parts, cache.live, cache.shown)
+    known, live, shown = cached
+    inventory = collect_instances(depsgraph, warnings, known, cancelled, live, shown)
     parts, instances = inventory.parts, inventory.instances
     pass_index = np.array([instance.pass_index for instance in instances], np.float32)
     lift = np.array([instance.terminator_offset for instance in instances], np.float32)

@@ -1,15 +1,20 @@
 """What registering adds to Blender's interface, and that unregistering takes it back."""
 
 import types
+from pathlib import Path
 
 import bpy
 import pytest
 
 import iwis
 from iwis.core.stats import RenderStats
-from iwis.iwis_addon import panels
+from iwis.iwis_addon import dependencies, panels, panels_status
 from iwis.iwis_addon.job import RenderJob, RenderRecord
+from iwis.iwis_addon.notices import advice_before_render, environment_node, merge
 from iwis.iwis_addon.preferences import IWISPreferences
+from iwis.iwis_addon.sampling_presets import SETTINGS
+from iwis.iwis_addon.settings import render_settings
+from iwis.operators.warned import select_named, warnings_text
 
 # Panels without which a user cannot edit what IWIS renders.
 NEEDED = (
@@ -62,10 +67,21 @@ def test_unregister_takes_everything_back():
         assert not hasattr(bpy.types.ViewLayer, "iwis")
         assert not [name for name in dir(bpy.types) if name.startswith("IWIS")]
         assert len(bpy.app.handlers.render_init) == counts["render_init"] - 1
-        assert len(bpy.app.handlers.load_pre) == counts["load_pre"] - 1
+        assert len(bpy.app.handlers.load_pre) == counts["load_pre"] - 2
+        assert not bpy.app.handlers.undo_post and not bpy.app.handlers.redo_post
+        assert not [
+            path for path in bpy.utils.preset_paths("iwis/sampling") if "iwis_addon" in path
+        ]
+        draws = bpy.types.TOPBAR_MT_render._dyn_ui_initialize() + (
+            bpy.types.IMAGE_MT_image._dyn_ui_initialize()
+        )
+        assert not [draw for draw in draws if "operators" in draw.__module__]
     finally:
         iwis.register()
     assert set(NEEDED) <= compatible()
+
+
+PANELS = [*panels.CLASSES, *panels_status.CLASSES, IWISPreferences]
 
 
 class Layout:
@@ -81,8 +97,9 @@ class Layout:
     def operator(self, name, **_options):
         assert hasattr(bpy.types, name.replace("iwis.", "IWIS_OT_")), name
         self.drawn.append(name)
+        return types.SimpleNamespace()
 
-    def label(self, text, icon="NONE"):
+    def label(self, text="", icon="NONE"):
         self.drawn.append(text)
 
     def row(self, **_options):
@@ -91,7 +108,7 @@ class Layout:
     column = row
 
 
-@pytest.mark.parametrize("cls", [*panels.CLASSES, IWISPreferences], ids=lambda cls: cls.__name__)
+@pytest.mark.parametrize("cls", PANELS, ids=lambda cls: cls.__name__)
 def test_panels_draw_what_exists(scene, cls):
     """Every property and operator that a panel names is there, and something is drawn."""
     panel = types.SimpleNamespace(layout=Layout(), group=getattr(cls, "group", ""))
@@ -103,4 +120,131 @@ def test_panels_draw_what_exists(scene, cls):
         RenderRecord(1, "ViewLayer", "", RenderStats(warnings=["Light: ignored"]))
     )
     cls.draw(panel, bpy.context)
-    assert panel.layout.drawn
+    has_children = any(getattr(c, "bl_parent_id", "") == cls.__name__ for c in PANELS)
+    assert panel.layout.drawn or has_children
+
+
+def test_every_property_and_operator_has_a_tooltip_of_one_sentence(scene):
+    """No full stop inside, none at the end: as Blender's own."""
+    groups = [scene.iwis, scene.iwis.viewport, scene.view_layers[0].iwis]
+    texts = {
+        f"{group.bl_rna.name}.{name}": group.bl_rna.properties[name].description
+        for group in groups
+        for name in group.bl_rna.properties.keys()
+        if name not in ("name", "rna_type", "viewport", "bl_system_properties")
+    }
+    for name in dir(bpy.ops.iwis):
+        rna = getattr(bpy.ops.iwis, name).get_rna_type()
+        texts[name] = rna.description
+    for name, text in texts.items():
+        assert text and not text.endswith(".") and ". " not in text, (name, text)
+
+
+def test_order_and_words_are_blenders():
+    """The render tab's panels, as Cycles orders them."""
+    labels = {cls.bl_label: cls.bl_order for cls in PANELS if hasattr(cls, "bl_order")}
+    assert sorted(labels, key=labels.get) == [
+        "Warnings", "Sampling", "Light", "Simplify", "Film", "Performance", "Statistics",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["Preview", "Final", "Paper"])
+def test_presets_are_found_and_set_valid_settings(scene, name):
+    """Blender's mechanism finds the file and runs it; the settings can be rendered with."""
+    path = bpy.utils.preset_find(name, "iwis/sampling")
+    assert path
+    scene.iwis.max_samples = 1
+    bpy.ops.script.execute_preset(filepath=path, menu_idname="IWIS_PT_sampling_presets")
+    assert render_settings(scene).max_samples > 1
+    assert (scene.iwis.estimator == "PAPER") == (name == "Paper")
+    text = Path(path).read_text()
+    assert all(f"iwis.{setting} = " in text for setting in SETTINGS)
+
+
+def test_a_preset_is_added_where_the_user_may_write(scene, tmp_path, monkeypatch):
+    """Not in the add-on's own folder; it is found and removed again."""
+    monkeypatch.setattr(bpy.utils, "user_resource", lambda *_, **k: str(make(tmp_path / k["path"])))
+    scene.iwis.max_samples = 77
+    assert bpy.ops.iwis.sampling_preset_add(name="Mine") == {"FINISHED"}
+    text = (tmp_path / "presets/iwis/sampling/Mine.py").read_text()
+    assert "iwis.max_samples = 77" in text and "iwis.pixel_filter" in text
+
+
+def make(folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def test_notices_merge_what_is_the_same_of_many():
+    """One notice for a kind, with its lines, and how often it came."""
+    lines = [
+        "Object A: 3 triangles left out",
+        'object "B", material "M", node "N": Anisotropy is not supported',
+        "Object C: 12 triangles left out",
+        "Object A: 3 triangles left out",
+        'object "C", material "K", node "N": Anisotropy is not supported',
+        "Only the world lights the scene, lights are ignored: Light",
+    ]
+    notices = merge(lines)
+    assert [(notice.count, len(notice.lines)) for notice in notices] == [(3, 2), (2, 2), (1, 1)]
+    assert notices[0].text == "Object A: 3 triangles left out (and 1 more like it)"
+
+
+def test_warned_objects_are_selected_by_whole_names(cube_scene):
+    """ "Cube" is not "Cube.001"; nothing else stays selected."""
+    other = bpy.data.objects["Cube"].copy()
+    cube_scene.collection.objects.link(other)
+    bpy.context.view_layer.update()
+    assert other.name == "Cube.001"
+    for line, expected in (
+        ("Object Cube.001: broken", ["Cube.001"]),
+        ("Not rendered: Cube, Plane", ["Cube", "Plane"]),
+        ("Object Cub: broken", []),
+    ):
+        found = select_named(cube_scene.view_layers[0], [line])
+        assert sorted(thing.name for thing in found) == expected
+    assert sorted(thing.name for thing in bpy.context.selected_objects) == ["Cube", "Plane"]
+
+
+def test_advice_before_a_render(cube_scene):
+    """No camera, no world, a world without an HDRI: each has a line; an HDRI has none."""
+    world, camera = cube_scene.world, cube_scene.camera
+    assert ["HDRI" in line for line in advice_before_render(cube_scene)] == [True]
+    texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = bpy.data.images.new("Sky", 8, 4, float_buffer=True)
+    assert environment_node(world) == texture
+    assert advice_before_render(cube_scene) == []
+    cube_scene.world = None
+    cube_scene.camera = None
+    text = " ".join(advice_before_render(cube_scene))
+    assert "camera" in text and "world" in text
+    cube_scene.world, cube_scene.camera = world, camera
+
+
+def test_missing_package_is_told_first(cube_scene, monkeypatch):
+    """The panel and the preferences name the package and what to install."""
+    monkeypatch.setattr(dependencies, "NEEDED", ("numba", "not_there"))
+    lines = advice_before_render(cube_scene)
+    assert "not_there" in lines[0] and "zip" in lines[1]
+
+
+def test_warnings_are_copied_with_their_counts_and_select_objects(cube_scene):
+    """Each line once, with how often it came; the button of a warning selects what it names."""
+    lines = ["Object Cube: broken", "Only the world lights the scene", "Object Cube: broken"]
+    RenderJob.get().records.append(
+        RenderRecord(1, "ViewLayer", "", RenderStats(warnings=list(lines)))
+    )
+    assert warnings_text() == "Object Cube: broken (x 2)\nOnly the world lights the scene"
+    assert bpy.ops.iwis.select_warned(number=0) == {"FINISHED"}
+    assert [thing.name for thing in bpy.context.selected_objects] == ["Cube"]
+    assert bpy.ops.iwis.select_warned(number=1) == {"CANCELLED"}
+    with pytest.raises(RuntimeError, match="no such warning"):
+        bpy.ops.iwis.select_warned(number=7)
+
+
+def test_overlay_is_chosen_for_iwis_only(scene):
+    """The menu's choice is the property that the view reads."""
+    assert bpy.ops.iwis.view_overlay(overlay="ERROR") == {"FINISHED"}
+    assert scene.iwis.viewport.overlay == "ERROR"
+    scene.render.engine = "CYCLES"
+    assert not bpy.ops.iwis.view_overlay.poll()

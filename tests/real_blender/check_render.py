@@ -2,74 +2,21 @@
 
     python tests/real_blender/check_render.py [--blender PROGRAM] [--zip FILE] [FILE.blend]
 
-The bpy module that the other tests use is not what users have. Runs in an environment with bpy and
-OpenEXR, which build the zip and read the layers (make test-blender). PROGRAM is Debian's Blender,
-unpacked by get_blender.sh, when none is given; the zip is the one for its Python.
+real.py says what it needs.
 """
 
-import argparse
-import os
-import subprocess
-import sys
-import tempfile
 from pathlib import Path
 
 import numpy as np
+from real import ROOT, check, install, installed, parse
 
 from iwis.core.exr import read_exr_layers
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
 SMALL = "import bpy; s = bpy.context.scene; s.render.resolution_percentage = 25"
 OWN_FLAGS = ("use_pass_error", "use_pass_unoccluded", "use_pass_visibility")
 ALL_PASSES = "".join(f"; s.view_layers[0].iwis.{flag} = True" for flag in OWN_FLAGS)
 NO_CAMERA = "import bpy; bpy.context.scene.camera = None"
 OWN_PASSES = ("IWIS Samples", "IWIS Error", "IWIS Unoccluded", "IWIS Visibility")
-
-
-class Blender:
-    """A Blender program with a folder of its own for settings and extensions."""
-
-    def __init__(self, program: str, resources: Path):
-        self.program = program
-        # Without this folder install-file complains that the repository is not loaded.
-        (resources / "extensions" / "user_default").mkdir(parents=True)
-        self.environment = dict(os.environ, BLENDER_USER_RESOURCES=str(resources))
-
-    def run(self, *arguments, expected_code: int = 0) -> str:
-        """What the program printed. Leaves when its exit code is another."""
-        print("+ blender", *arguments, flush=True)
-        done = subprocess.run(
-            [self.program, *arguments],
-            env=self.environment,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=900,
-            check=False,
-        )
-        if done.returncode != expected_code:
-            sys.exit(f"{done.stdout}\nexit code {done.returncode}, expected {expected_code}")
-        return done.stdout
-
-    def python_tag(self) -> str:
-        code = "import sys; print('TAG', 'cp%d%d' % sys.version_info[:2])"
-        words = self.run("-b", "--factory-startup", "--python-expr", code).split()
-        return words[words.index("TAG") + 1]
-
-
-def build_zip(python_tag: str) -> Path:
-    """The zip for Linux and this Python, built by the project's own builder."""
-    command = [sys.executable, ROOT / "scripts" / "build_zip.py"]
-    subprocess.run([*command, "--platform", "linux-x64", "--python", python_tag], check=True)
-    return sorted((ROOT / "dist").glob(f"iwis-*-linux-x64-{python_tag}.zip"))[-1]
-
-
-def check(condition, what: str) -> None:
-    if not condition:
-        sys.exit(f"wrong: {what}")
-    print(f"  ok: {what}", flush=True)
 
 
 def check_layers(path: Path) -> None:
@@ -88,26 +35,9 @@ def check_layers(path: Path) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("blend", nargs="?", type=Path, default=ROOT / "sample_blends/statue.blend")
-    parser.add_argument("--blender", help="a Blender program; else Debian's is unpacked")
-    parser.add_argument("--zip", type=Path, help="the extension; else it is built")
-    options = parser.parse_args()
-    program = (
-        options.blender
-        or subprocess.check_output(
-            [HERE / "get_blender.sh"], text=True, stdin=subprocess.DEVNULL
-        ).strip()
-    )
-    with tempfile.TemporaryDirectory(prefix="iwis-blender-") as name:
-        folder = Path(name)
-        blender = Blender(program, folder / "resources")
-        print(blender.run("-b", "--version").splitlines()[0])
-        package = options.zip or build_zip(blender.python_tag())
-        command = ("--command", "extension")
-        blender.run(*command, "install-file", "-r", "user_default", "-e", package)
-        # install-file answers 0 even when it fails
-        check("IWIS" in blender.run("-b", "-E", "help").split(), "Blender lists the engine IWIS")
+    sample = ROOT / "sample_blends/statue.blend"
+    options = parse(__doc__, (["blend"], {"nargs": "?", "type": Path, "default": sample}))
+    with installed(options) as (blender, folder, package):
         arguments = ["-b", options.blend.resolve(), "-E", "IWIS", "-o", folder / "out_####"]
         arguments += ["-F", "OPEN_EXR_MULTILAYER"]
         text = blender.run(*arguments, "--python-expr", SMALL + ALL_PASSES, "-f", "1")
@@ -115,8 +45,12 @@ def main() -> None:
         check_layers(folder / "out_0001.exr")
         blender.run(*arguments, "--python-expr", NO_CAMERA, "-f", "2", expected_code=1)
         check(not (folder / "out_0002.exr").exists(), "without a camera: exit code 1 and no file")
-        blender.run(*command, "remove", "iwis")
-        check("IWIS" not in blender.run("-b", "-E", "help").split(), "removed again")
+        install(blender, package)
+        check("IWIS" in blender.engines(), "installed over itself, as an upgrade is")
+        blender.run("--command", "extension", "remove", "iwis")
+        check("IWIS" not in blender.engines(), "removed again")
+        left = [p for p in (folder / "resources" / "extensions").rglob("*") if "iwis" in p.name]
+        check(not left, f"no file is left: {left}")
 
 
 if __name__ == "__main__":

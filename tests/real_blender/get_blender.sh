@@ -9,7 +9,7 @@
 # unpacked into FOLDER/root; no maintainer script runs. FOLDER can be removed at any time.
 #
 #   FOLDER/bin/blender     that Blender; it sees the machine's folders but /usr, /etc, /var, /lib*
-#   FOLDER/bin/enter CMD   another program of that root, in the same way
+#   FOLDER/bin/enter CMD   another program of that root, in the same way: Xvfb, xdotool, scrot
 #
 # IWIS_BLENDER_SUITE: sid (Blender 5.2, Python 3.14; the default) or trixie (4.3, Python 3.13)
 # IWIS_DEBIAN_MIRROR: a Debian mirror, where apt's own sources name none
@@ -86,6 +86,9 @@ C
     packages="blender python3-numpy python3-requests python3-zstandard
         base-files base-passwd dash coreutils libc-bin"
     if apt-cache show python3-cattr > /dev/null 2>&1; then packages="$packages python3-cattr"; fi
+    # A window without a screen: X server, OpenGL in software, keys and screenshots.
+    packages="$packages xvfb xauth xdotool scrot libgl1 libglx-mesa0 libegl1 libegl-mesa0
+        libgl1-mesa-dri"
     say "downloading Blender"
     # shellcheck disable=SC2086
     apt-get install -y -qq --download-only $packages >&2
@@ -120,7 +123,8 @@ version() {
     "$folder/bin/blender" -b --version 2>/dev/null | sed -n 's/^Blender //p;' | head -1
 }
 
-if [ "$(cat "$folder/suite" 2>/dev/null)" = "$suite" ] && [ -n "$(version)" ]; then
+stamp="$suite with a window"
+if [ "$(cat "$folder/suite" 2>/dev/null)" = "$stamp" ] && [ -n "$(version)" ]; then
     echo "$folder/bin/blender"
     exit 0
 fi
@@ -133,6 +137,6 @@ download
 unpack_all
 write_wrappers
 [ -n "$(version)" ] || fail "Blender does not start: $("$folder/bin/blender" -b --version 2>&1 | tail -1)"
-echo "$suite" > "$folder/suite"
+echo "$stamp" > "$folder/suite"
 say "Blender $(version) in $folder"
 echo "$folder/bin/blender"

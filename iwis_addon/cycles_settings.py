@@ -1,0 +1,100 @@
+"""What a scene was set to for Cycles, as IWIS means it; and both engines' pictures compared."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.settings import LIMITS
+from .images import render_pixels
+from .job import ENGINE
+
+# Both defaults: Cycles' noise threshold .01 is of the square root of light, IWIS' .1 relative.
+_THRESHOLD_FACTOR = 10.0
+_FILTERS = {"BOX": "BOX", "BLACKMAN_HARRIS": "BLACKMAN_HARRIS", "GAUSSIAN": "BLACKMAN_HARRIS"}
+
+
+def copy_cycles_settings(scene) -> list[str]:
+    """Set IWIS' settings from Cycles'; names of what was set. Raises ValueError without Cycles.
+
+    Film exposure and transparency need no copy: they are read from where Cycles reads them.
+    """
+    if not hasattr(scene, "cycles"):
+        raise ValueError("Cycles is disabled: its settings are not there to be copied")
+    cycles, iwis = scene.cycles, scene.iwis
+    iwis.stop_rule = "PERCEPTUAL" if cycles.use_adaptive_sampling else "FIXED"
+    iwis.max_samples = _within("max_samples", cycles.samples)
+    iwis.error_threshold = _threshold(cycles.adaptive_threshold)
+    iwis.viewport.max_samples = _within("max_samples", cycles.preview_samples or cycles.samples)
+    iwis.viewport.error_threshold = _threshold(cycles.preview_adaptive_threshold)
+    iwis.seed = _within("seed", cycles.seed)
+    iwis.use_animated_seed = cycles.use_animated_seed
+    iwis.pixel_filter = _FILTERS[cycles.pixel_filter_type]
+    iwis.filter_width = _within("filter_width", cycles.filter_width)
+    return ["stop rule", "samples", "thresholds", "seed", "pixel filter"]
+
+
+def _threshold(cycles_threshold: float) -> float:
+    """0 is Cycles' automatic threshold."""
+    return _within("error_threshold", _THRESHOLD_FACTOR * (cycles_threshold or 0.01))
+
+
+def _within(name, value):
+    low, high = LIMITS[name]
+    return min(max(value, low), high)
+
+
+class Comparison(NamedTuple):
+    """difference: float32 (h, w, 4), |IWIS - Cycles|; mre: mean relative error of the luminance of
+    pixels that show an object [Huang07, eq. 3]; bias: signed, of their sums"""
+
+    difference: np.ndarray
+    mre: float
+    bias: float
+
+
+# What must be equal in both: direct light, no denoiser, alpha to tell objects from the world.
+_RENDER = {"film_transparent": True, "use_motion_blur": False}
+_CYCLES = {"use_denoising": False, "max_bounces": 0, "use_adaptive_sampling": False}
+
+
+def compare_with_cycles(scene, samples: int) -> Comparison:
+    """Render the scene with IWIS as it is set, and with Cycles' direct light; settings are kept.
+
+    samples: of Cycles. Raises ValueError without Cycles, RuntimeError when a render fails.
+    """
+    if not hasattr(scene, "cycles"):
+        raise ValueError("Cycles is disabled: enable it in Preferences, Add-ons, to compare")
+    wanted = [(scene.render, name, value) for name, value in _RENDER.items()]
+    wanted += [(scene.cycles, name, value) for name, value in _CYCLES.items()]
+    wanted.append((scene.cycles, "samples", samples))
+    kept = [(owner, name, getattr(owner, name)) for owner, name, _ in wanted]
+    kept.append((scene.render, "engine", scene.render.engine))
+    try:
+        for owner, name, value in wanted:
+            setattr(owner, name, value)
+        scene.render.engine = ENGINE
+        ours = render_pixels(scene)
+        scene.render.engine = "CYCLES"
+        return compare(ours, render_pixels(scene))
+    finally:
+        for owner, name, value in kept:
+            setattr(owner, name, value)
+
+
+def compare(ours: np.ndarray, cycles: np.ndarray) -> Comparison:
+    """Two pictures, float32 (h, w, 4), alpha 1 where an object is."""
+    difference = np.abs(ours - cycles)
+    difference[..., 3] = 1.0
+    light, wanted = (picture[..., :3].astype(np.float64) @ _LUMINANCE for picture in (ours, cycles))
+    shown = cycles[..., 3] > 0.999
+    shown &= wanted > 1e-3 * (wanted[shown].mean() if shown.any() else 0.0)
+    if not shown.any():
+        return Comparison(difference, float("nan"), float("nan"))
+    light, wanted = light[shown], wanted[shown]
+    mre = float((np.abs(light - wanted) / wanted).mean())
+    return Comparison(difference, mre, float(light.sum() / wanted.sum() - 1.0))
+
+
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])

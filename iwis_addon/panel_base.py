@@ -1,0 +1,39 @@
+"""What IWIS' panels share."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import ClassVar
+
+from .job import ENGINE
+
+
+class IWISPanel:
+    """A panel of the render tab, for this engine only."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    COMPAT_ENGINES: ClassVar[set[str]] = {ENGINE}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine in cls.COMPAT_ENGINES
+
+    def split_layout(self):
+        """The panel's layout with labels on the left."""
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        return self.layout
+
+
+def wrapped(layout, context, text: str, icon: str) -> None:
+    """A text in as many labels as the panel's width asks for: Blender would cut it off."""
+    region = context.region
+    scale = context.preferences.system.ui_scale or 1.0  # 0 in background mode
+    width = region.width if region is not None else 300
+    letters = max(int((width / scale - 100) / 6.2), 20)
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for number, line in enumerate(textwrap.wrap(text, letters)):
+        column.label(text=line, icon=icon if number == 0 else "BLANK1")

@@ -1,0 +1,112 @@
+"""What a 3D view sees, as core.scene.Camera, and which of its pixels are to be rendered.
+
+Lens, sensor, shift, zoom, offset and the camera's frame are all in the view's own projection
+matrix: so the picture lies under Blender's overlays to the pixel.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.scene import ORTHOGRAPHIC, PERSPECTIVE, Camera
+
+
+def view_camera(region, region_3d, space, scene, pixel_size: int) -> Camera | None:
+    """The camera of a view; None where its border leaves nothing to render.
+
+    region: of bpy; region_3d, space: its RegionView3D and SpaceView3D; scene: evaluated
+    pixel_size: pixels of the screen to a pixel of the picture, in either direction
+    """
+    width, height = max(region.width, 1), max(region.height, 1)
+    matrix = np.array(region_3d.window_matrix, np.float64)
+    columns, rows = -(-width // pixel_size), -(-height // pixel_size)
+    left, right, bottom, top = _window(matrix)
+    covered = _border(matrix, width, height, region_3d, space, scene)
+    x0, y0, x1, y1 = (edge / pixel_size for edge in covered)
+    x0, y0 = max(int(x0), 0), max(int(y0), 0)
+    x1, y1 = min(int(np.ceil(x1)), columns), min(int(np.ceil(y1)), rows)
+    if x0 >= x1 or y0 >= y1:
+        return None
+    near, far = _clip(matrix)
+    return Camera(
+        kind=PERSPECTIVE if matrix[3, 3] == 0.0 else ORTHOGRAPHIC,
+        camera_to_world=_rigid_inverse(np.array(region_3d.view_matrix, np.float64)),
+        window=(
+            left,
+            left + (right - left) * (columns * pixel_size / width),
+            bottom,
+            bottom + (top - bottom) * (rows * pixel_size / height),
+        ),
+        width=columns,
+        height=rows,
+        region=(x0, y0, x1, y1),
+        clip_start=near,
+        clip_end=far,
+    )
+
+
+def _window(p) -> tuple[float, float, float, float]:
+    """(left, right, bottom, top) on the plane z = -1, or in metres. p: projection (4, 4)"""
+    shift = p[:2, 3] if p[3, 3] else -p[:2, 2]
+    edges = [((side - shift[a]) / p[a, a]) for a in (0, 1) for side in (-1.0, 1.0)]
+    return tuple(float(edge) for edge in edges)
+
+
+def _clip(p) -> tuple[float, float]:
+    """Distances of the near and far plane along -z; the near one of an ortho view is behind."""
+    if p[3, 3]:
+        return float((p[2, 3] + 1.0) / p[2, 2]), float((p[2, 3] - 1.0) / p[2, 2])
+    return float(p[2, 3] / (p[2, 2] - 1.0)), float(p[2, 3] / (p[2, 2] + 1.0))
+
+
+def _rigid_inverse(view):
+    matrix = np.linalg.inv(view)
+    matrix[:3, :3] /= np.linalg.norm(matrix[:3, :3], axis=0)
+    matrix[3] = 0.0, 0.0, 0.0, 1.0
+    return matrix
+
+
+def _border(matrix, width, height, region_3d, space, scene):
+    """(x0, y0, x1, y1) in pixels of the screen: what is to be rendered."""
+    whole = 0.0, 0.0, float(width), float(height)
+    if region_3d.view_perspective != "CAMERA" or space.camera is None:
+        if not space.use_render_border:
+            return whole
+        return _part(whole, space, "render_border")
+    frame = _camera_frame(matrix, width, height, space.camera, scene)
+    if scene.render.use_border:
+        return _part(frame, scene.render, "border")
+    return frame if _hides_surroundings(space) else whole
+
+
+def _part(rectangle, owner, prefix):
+    x0, y0, x1, y1 = rectangle
+
+    def edge(name):
+        return getattr(owner, f"{prefix}_{name}")
+
+    return (
+        x0 + edge("min_x") * (x1 - x0),
+        y0 + edge("min_y") * (y1 - y0),
+        x0 + edge("max_x") * (x1 - x0),
+        y0 + edge("max_y") * (y1 - y0),
+    )
+
+
+def _hides_surroundings(space) -> bool:
+    """Whether an opaque passepartout covers all beside the camera's frame."""
+    data = space.camera.data
+    if space.camera.type != "CAMERA" or not space.overlay.show_overlays:
+        return False
+    return data.show_passepartout and data.passepartout_alpha >= 1.0
+
+
+def _camera_frame(matrix, width, height, camera, scene):
+    """The camera's frame in pixels of the screen."""
+    if camera.type != "CAMERA":
+        return 0.0, 0.0, float(width), float(height)
+    corners = np.array(camera.data.view_frame(scene=scene), np.float64)
+    points = np.c_[corners, np.ones(len(corners))] @ matrix.T
+    screen = (points[:, :2] / points[:, 3:] + 1.0) * 0.5 * (width, height)
+    (x0, y0), (x1, y1) = screen.min(axis=0), screen.max(axis=0)
+    return float(x0), float(y0), float(x1), float(y1)

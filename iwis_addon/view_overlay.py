@@ -1,0 +1,75 @@
+"""A pass in false color over the rendered view, with its legend.
+
+It is drawn where Blender draws its own overlays: after the view transform, so that a color on the
+screen is the color of the legend.
+"""
+
+from __future__ import annotations
+
+import blf
+import bpy
+import gpu
+from gpu_extras.presets import draw_texture_2d
+
+from .false_color import false_color, legend, scale_of
+from .job import ENGINE
+from .settings import viewport_settings
+from .view_picture import make_texture
+from .viewport import living
+
+_WIDTH, _HEIGHT = 16, 180
+_LEFT, _BELOW = 64, 48  # beside the toolbar
+_state: dict = {"handle": None}
+_textures: dict = {}
+
+
+def _draw() -> None:
+    """Called by Blender for every 3D view that it draws."""
+    context = bpy.context
+    scene, space = context.scene, context.space_data
+    if scene.render.engine != ENGINE or space.shading.type != "RENDERED":
+        return
+    layer = scene.iwis.viewport.overlay.lower()
+    if layer == "combined":
+        return
+    place = context.region.as_pointer()
+    viewport = next((v for v in living() if v.region == place), None)
+    picture = None if viewport is None else viewport.thread.picture
+    if picture is None or viewport.failure:
+        return
+    scale = scale_of(layer, viewport_settings(scene))
+    key = viewport.thread.version, layer, scale
+    if _textures.get(place, (None,))[0] != key:
+        _textures[place] = key, make_texture(false_color(picture.layers[layer], scale))
+    factor = picture.step * viewport.pixel_size
+    x0, y0, x1, y1 = (edge * factor for edge in picture.region)
+    draw_texture_2d(_textures[place][1], (x0, y0), x1 - x0, y1 - y0)
+    _draw_legend(scale, context.preferences.system.ui_scale)
+
+
+def _draw_legend(scale, ui) -> None:
+    if "legend" not in _textures:
+        _textures["legend"] = make_texture(legend(64))
+    x, y, height = _LEFT * ui, _BELOW * ui, _HEIGHT * ui
+    gpu.state.blend_set("NONE")
+    draw_texture_2d(_textures["legend"], (x, y), _WIDTH * ui, height)
+    blf.size(0, 11 * ui)
+    blf.color(0, 1.0, 1.0, 1.0, 1.0)
+    blf.enable(0, blf.SHADOW)
+    blf.shadow(0, 3, 0.0, 0.0, 0.0, 1.0)
+    for place, text in [*scale.ticks(), (1.1, scale.title)]:
+        blf.position(0, x + (_WIDTH + 6) * ui, y + place * height - 4 * ui, 0)
+        blf.draw(0, text)
+    blf.disable(0, blf.SHADOW)
+
+
+def register() -> None:
+    if not bpy.app.background:
+        _state["handle"] = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL")
+
+
+def unregister() -> None:
+    if _state["handle"] is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_state["handle"], "WINDOW")
+        _state["handle"] = None
+    _textures.clear()

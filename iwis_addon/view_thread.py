@@ -1,0 +1,132 @@
+"""The thread that renders for one window region: it sleeps, is given work, shows pictures."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+import weakref
+from collections.abc import Callable
+
+from ..core.scene import Scene
+from ..core.settings import RenderSettings
+from ..core.watch import StopFlag
+from . import dependencies
+
+log = logging.getLogger(__name__)
+
+# Threads that have not ended: another file, unregister and Blender's end wait for them.
+_RUNNING: weakref.WeakSet[ViewThread] = weakref.WeakSet()
+_JOIN_SECONDS = 2.0
+
+
+class ViewThread(threading.Thread):
+    """Renders the last scene that it was given; knows nothing of Blender but ``redraw``.
+
+    picture: core.progressive.Picture, or None; version: counts the pictures
+    failure: what ended the last work; first_seconds: from the last request to its first picture
+    redraw() may raise ReferenceError where nobody looks any more: the thread then ends.
+    """
+
+    def __init__(self, redraw: Callable[[], None]):
+        super().__init__(name="iwis-view", daemon=True)
+        self._redraw = redraw
+        self._condition = threading.Condition()
+        self._restart, self._close = StopFlag(), StopFlag()
+        self._request: tuple[Scene, RenderSettings, float] | None = None
+        self.picture, self.version = None, 0
+        self.failure: BaseException | None = None
+        self.first_seconds = 0.0
+        self.working = False
+        _RUNNING.add(self)
+
+    def request(self, scene: Scene, settings: RenderSettings) -> None:
+        """Render this from now on."""
+        with self._condition:
+            self._request = scene, settings, time.perf_counter()
+            self.working = True
+            self._restart.set()
+            self._condition.notify()
+
+    def idle(self) -> None:
+        """Render nothing until the next request."""
+        with self._condition:
+            self._request, self.working = None, False
+            self._restart.set()
+
+    def close(self) -> None:
+        """End soon, and show nothing more."""
+        self._close.set()
+        with self._condition:
+            self._restart.set()
+            self._condition.notify()
+
+    def run(self) -> None:
+        tools = None
+        while True:
+            with self._condition:
+                while self._request is None and not self._close.is_set():
+                    self._condition.wait()
+                if self._close.is_set():
+                    return
+                scene, settings, asked_at = self._request
+                self._request = None
+                self._restart = restart = StopFlag()
+            try:
+                tools = tools or _Tools()
+                tools.render(scene, settings, self._taker(asked_at), restart, self._close)
+                self.failure = None
+            except ReferenceError:
+                return
+            except Exception as error:  # shown in the window by whoever draws it
+                if not self._close.is_set():
+                    log.error("IWIS: the viewport stopped", exc_info=error)
+                    self._fail(error)
+            with self._condition:
+                self.working = self._request is not None
+
+    def _taker(self, asked_at: float):
+        first = True
+
+        def show(picture):
+            nonlocal first
+            if self._close.is_set():
+                return
+            if first:
+                self.first_seconds, first = time.perf_counter() - asked_at, False
+            self.picture, self.version = picture, self.version + 1
+            self._redraw()
+
+        return show
+
+    def _fail(self, error):
+        self.failure, self.picture, self.version = error, None, self.version + 1
+        try:
+            self._redraw()
+        except ReferenceError:
+            self._close.set()
+
+
+class _Tools:
+    """What is kept from one picture to the next. Imports the core's kernels."""
+
+    def __init__(self):
+        dependencies.require()
+        from ..core import progressive
+        from ..core.render_cache import RenderCache
+
+        self._cache, self._pace = RenderCache(), progressive.Pace()
+        self._render = progressive.render_progressive
+
+    def render(self, scene, settings, show, restart, close):
+        self._render(scene, settings, show, self._cache, self._pace, restart, close)
+
+
+def close_all() -> None:
+    """End every thread, and wait for them a little."""
+    threads = list(_RUNNING)
+    for thread in threads:
+        thread.close()
+    for thread in threads:
+        if thread.is_alive():
+            thread.join(_JOIN_SECONDS)

@@ -1,0 +1,218 @@
+"""The rendered view: what Blender's callbacks do, and what they draw.
+
+Blender makes one engine object for each region that shows the rendered view, calls `view_update`
+after every change of its dependency graph and `view_draw` for every redraw, and forgets the object
+when the region shows something else.
+"""
+
+from __future__ import annotations
+
+import time
+import weakref
+
+import bpy
+import numpy as np
+from bpy.app.handlers import persistent
+
+from ..core.scene import Camera, Scene
+from ..core.settings import RenderSettings
+from . import view_picture, view_thread
+from .export import ExportCache, LiveExport, export_scene, film_exposure
+from .export.live import same
+from .preferences import share_cache_dir
+from .settings import viewport_settings
+from .view_camera import view_camera
+
+# Viewports that live, for operators, panels and tests.
+_LIVING: weakref.WeakSet[Viewport] = weakref.WeakSet()
+
+
+class Viewport:
+    """One region's rendered view, as long as Blender's engine object for it.
+
+    warnings: of the last export; export_seconds: what it took of Blender's time
+    restarts: how many times a change began the picture anew
+    region: address of the region; pixel_size: pixels of the screen to one of the picture's frame
+    """
+
+    def __init__(self, engine):
+        self._engine = weakref.ref(engine)
+        self._cache, self._live = ExportCache(), LiveExport()
+        self._cache.live = self._live.meshes
+        self._scene: Scene | None = None
+        self._settings: RenderSettings | None = None
+        self._camera: Camera | None = None
+        self._drawing = view_picture.PictureDrawing()
+        self.failure = ""
+        self.warnings: list[str] = []
+        self.export_seconds = 0.0
+        self.restarts = 0
+        self.region, self.pixel_size = 0, 1
+        share_cache_dir()
+        self.thread = view_thread.ViewThread(self._redraw)
+        self.thread.start()
+        _LIVING.add(self)
+
+    def __del__(self):
+        self.thread.close()
+
+    def _redraw(self) -> None:
+        """Have Blender draw the region; to be called by any thread."""
+        engine = self._engine()
+        if engine is None:
+            raise ReferenceError
+        engine.tag_redraw()
+
+    def update(self, context, depsgraph) -> None:
+        """`view_update`: read what has changed; a click on an object changes nothing."""
+        started = time.perf_counter()
+        camera = self._seen(context, depsgraph)
+        space = context.space_data
+        self._cache.shown = lambda item: _shown(item, space)
+        self._live.begin(depsgraph.updates)
+        warnings: list[str] = []
+        scene = export_scene(
+            depsgraph,
+            warnings=warnings,
+            cache=self._cache,
+            camera=camera or self._camera or _PLACEHOLDER,
+            live=self._live,
+        )
+        self.failure, self.warnings = "", warnings
+        scene = _replace(scene, camera=_PLACEHOLDER)  # to be compared whatever the view
+        if self._scene is not None and same(scene, self._scene):
+            scene = self._scene
+        self.export_seconds = time.perf_counter() - started
+        self._want(scene, viewport_settings(depsgraph.scene), camera)
+
+    def fail(self, text: str) -> None:
+        """Show a message instead of a picture, until the next update."""
+        self.failure, self._scene = text, None
+        self.thread.idle()
+        self._live.forget()
+
+    def draw(self, context, depsgraph) -> None:
+        """`view_draw`: draw the last picture; begin a new one where the view has changed."""
+        if self._scene is not None:
+            # An add-on's own properties change without an update of the graph, even its copies.
+            original, scene = depsgraph.scene, self._scene
+            exposure = film_exposure(original)
+            if exposure != scene.exposure:
+                scene = _replace(scene, exposure=exposure)
+            self._want(scene, viewport_settings(original), self._seen(context, depsgraph))
+        engine = self._engine()
+        self.region = context.region.as_pointer()
+        picture = None if self.failure else self.thread.picture
+        if picture is not None:
+            self._drawing.draw(
+                engine, depsgraph.scene, picture, self.thread.version, self.pixel_size
+            )
+        engine.update_stats("", self.line())
+
+    def line(self) -> str:
+        """What the view says about itself in its corner."""
+        if self.failure or self.thread.failure is not None:
+            return self.failure or f"IWIS: {self.thread.failure}"
+        if self._camera is None and self._scene is not None:
+            return "IWIS | nothing to render inside the border"
+        picture = self.thread.picture
+        if picture is None:
+            return "IWIS | Loading; a machine's first render compiles for a minute"
+        if picture.converged:
+            return f"IWIS | Done | {_mean_samples(picture):.1f} samples a pixel"
+        if picture.step > 1:
+            return f"IWIS | 1/{picture.step} of the pixels"
+        return f"IWIS | Rendering {picture.fraction:.0%}"
+
+    @property
+    def converged(self) -> bool:
+        """Whether the picture is all that was asked for, and the thread asleep."""
+        picture = self.thread.picture
+        return picture is not None and picture.converged and not self.thread.working
+
+    def _seen(self, context, depsgraph) -> Camera | None:
+        self.pixel_size = int(self._engine().get_preview_pixel_size(depsgraph.scene))
+        return view_camera(
+            context.region,
+            context.region_data,
+            context.space_data,
+            depsgraph.scene_eval,
+            self.pixel_size,
+        )
+
+    def _want(self, scene: Scene, settings: RenderSettings, camera: Camera | None) -> None:
+        """Have this rendered, unless it is what is being rendered."""
+        before = self._scene, self._settings
+        unchanged = scene is before[0] and settings == before[1] and same(camera, self._camera)
+        self._scene, self._settings, self._camera = scene, settings, camera
+        if unchanged:
+            return
+        self.restarts += 1
+        if camera is None:
+            self.thread.idle()
+            self.thread.picture = None
+        else:
+            self.thread.request(_replace(scene, camera=camera), settings)
+
+
+def _shown(item, space) -> bool:
+    """Whether a view shows one of a graph's instances: local view, local collections."""
+    owner = item.parent if item.is_instance and item.parent else item.object
+    return owner.original.visible_in_viewport_get(space)
+
+
+def _mean_samples(picture) -> float:
+    """Of the pixels that show an object."""
+    samples = picture.layers["samples"]
+    return float(samples.sum() / max(np.count_nonzero(samples), 1))
+
+
+def living() -> list[Viewport]:
+    """The viewports that show IWIS now."""
+    return list(_LIVING)
+
+
+def _replace(scene: Scene, **changes) -> Scene:
+    """The scene with other fields, without another look at all its triangles."""
+    changed = object.__new__(Scene)
+    for name in Scene.__slots__:
+        object.__setattr__(changed, name, changes.get(name, getattr(scene, name)))
+    return changed
+
+
+_PLACEHOLDER = Camera(
+    kind="PERSPECTIVE",
+    camera_to_world=None,
+    window=(-1.0, 1.0, -1.0, 1.0),
+    width=1,
+    height=1,
+    region=(0, 0, 1, 1),
+    clip_start=0.1,
+    clip_end=1.0,
+)
+
+
+@persistent
+def _on_load_pre(_path=None, _depsgraph=None):
+    view_thread.close_all()
+
+
+@persistent
+def _on_undo(_scene=None, _depsgraph=None):
+    # Undo puts other data where the old was, under the same name and address.
+    for viewport in living():
+        viewport._live.forget()
+
+
+_HANDLERS = (("load_pre", _on_load_pre), ("undo_post", _on_undo), ("redo_post", _on_undo))
+
+
+def register() -> None:
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister() -> None:
+    for name, handler in reversed(_HANDLERS):
+        getattr(bpy.app.handlers, name).remove(handler)
+    view_thread.close_all()

@@ -1,0 +1,63 @@
+"""What a user sets for the rendered view alone: `scene.iwis.viewport`."""
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, IntProperty
+
+from ..core.settings import LIMITS
+
+OVERLAYS = (
+    ("COMBINED", "Combined", "The picture"),
+    ("SAMPLES", "Samples", "Shadow rays that each pixel took, in false color"),
+    ("ERROR", "Error", "Estimated noise that each pixel was left with, in false color"),
+    ("VISIBILITY", "Visibility", "Share of the shadow rays that saw the light, in false color"),
+)
+
+
+def _redraw_views(_properties, context):
+    # Set by a script, an add-on's property redraws nothing by itself.
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+class IWISViewportProperties(bpy.types.PropertyGroup):
+    """Settings of the rendered view where they differ from a final render's."""
+
+    error_threshold: FloatProperty(
+        name="Error Threshold",
+        description="The relative noise at which a pixel of the rendered view is done",
+        default=0.2,
+        min=LIMITS["error_threshold"][0],
+        max=LIMITS["error_threshold"][1],
+        soft_max=1.0,
+        precision=3,
+        update=_redraw_views,
+    )
+    max_samples: IntProperty(
+        name="Max Samples",
+        description="The most shadow rays that a pixel of the rendered view may take",
+        default=64,
+        min=LIMITS["max_samples"][0],
+        max=LIMITS["max_samples"][1],
+        soft_max=1024,
+        update=_redraw_views,
+    )
+    pixel_filter: EnumProperty(
+        name="Filter Type",
+        description="Pixel filter of the rendered view; Center is the fastest",
+        items=[
+            ("CENTER", "Center", "One shading point, at the pixel's center: no anti-aliasing"),
+            ("BOX", "Box", "Box filter, one pixel wide"),
+            ("BLACKMAN_HARRIS", "Blackman-Harris", "As Cycles has it by default"),
+        ],
+        default="CENTER",
+        update=_redraw_views,
+    )
+    overlay: EnumProperty(
+        name="Show",
+        description="What the rendered view shows",
+        items=OVERLAYS,
+        default="COMBINED",
+        update=_redraw_views,
+    )

@@ -1,0 +1,143 @@
+"""A window's export reads what has changed, nothing else, and is what an export from scratch is."""
+
+import bpy
+import numpy as np
+import pytest
+
+from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene
+from iwis.iwis_addon.export import local_mesh as local_mesh_module
+from iwis.iwis_addon.export.live import same
+from support.above import add_monkey
+
+
+class Window:
+    """Exports as a rendered view does, and counts the meshes that are read."""
+
+    def __init__(self, monkeypatch):
+        self.live, self.cache, self.read = LiveExport(), ExportCache(), []
+        self.cache.live = self.live.meshes
+        original = local_mesh_module.read_mesh
+
+        def read_mesh(mesh, *rest):
+            self.read.append(mesh.name)
+            return original(mesh, *rest)
+
+        monkeypatch.setattr(local_mesh_module, "read_mesh", read_mesh)
+
+    def export(self, change=lambda: None):
+        """The scene after a change, and the names of the meshes that were read for it."""
+        result = []
+
+        def take(_scene, depsgraph):
+            self.read.clear()
+            self.live.begin(depsgraph.updates)
+            lines = []
+            scene = export_scene(depsgraph, warnings=lines, cache=self.cache, live=self.live)
+            result.append((scene, list(self.read), lines))
+
+        bpy.app.handlers.depsgraph_update_post.append(take)
+        try:
+            change()
+            bpy.context.view_layer.update()
+        finally:
+            bpy.app.handlers.depsgraph_update_post.remove(take)
+        return result[-1]
+
+
+@pytest.fixture
+def window(cube_scene, monkeypatch):
+    add_monkey()
+    window = Window(monkeypatch)
+    bpy.context.view_layer.update()
+    window.export(bpy.data.objects["Cube"].update_tag)
+    return window
+
+
+def move():
+    bpy.data.objects["Cube"].location.x += 0.5
+
+
+def bend():
+    mesh = bpy.data.objects["Cube"].data
+    mesh.vertices[0].co.z += 0.5
+    mesh.update()
+
+
+def add_modifier():
+    bpy.data.objects["Cube"].modifiers.new("Array", "ARRAY")
+
+
+def paint():
+    material = bpy.data.materials.new("Red")
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
+    material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (1, 0, 0, 1)
+    bpy.data.objects["Cube"].data.materials.append(material)
+
+
+def brighten():
+    tree = bpy.context.scene.world.node_tree
+    tree.nodes["Background"].inputs["Strength"].default_value = 3.0
+
+
+def instance():
+    group = bpy.data.collections.new("Group")
+    group.objects.link(bpy.data.objects["Cube"])
+    empty = bpy.data.objects.new("Copy", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", group
+    empty.location = (1.0, 2.0, 0.0)
+    bpy.context.scene.collection.objects.link(empty)
+
+
+def remove():
+    bpy.data.objects.remove(bpy.data.objects["Cube"])
+
+
+def click():
+    bpy.data.objects["Cube"].select_set(not bpy.data.objects["Cube"].select_get())
+
+
+@pytest.mark.parametrize(
+    "change", [move, bend, add_modifier, paint, brighten, instance, remove, click]
+)
+def test_a_change_is_exported_as_from_scratch(window, change):
+    """Whatever is kept, the result is equal to the last array."""
+    scene, _, lines = window.export(change)
+    expected_lines = []
+    expected = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=expected_lines)
+    assert same(scene, expected)
+    assert lines == expected_lines
+
+
+@pytest.mark.parametrize("change", [move, brighten, click])
+def test_unchanged_meshes_are_not_read(window, change):
+    """A transform, the world or a click reads no mesh at all."""
+    assert window.export(change)[1] == []
+
+
+def test_only_the_changed_mesh_is_read(window):
+    """One of three."""
+    assert len(window.export(bend)[1]) == 1
+
+
+def test_forgetting_reads_everything(window):
+    """After an undo nothing is believed."""
+    window.live.forget()
+    assert len(window.export(click)[1]) >= 2
+
+
+def test_a_click_exports_the_very_same_parts(window):
+    """So that neither BVH nor light is built anew."""
+    before, after = window.export(click)[0], window.export(click)[0]
+    assert after.mesh is before.mesh and after.environment is before.environment
+    assert same(before, after)
+
+
+def test_same_tells_differences():
+    """However deep; of arrays shape, type and values."""
+    one = {"a": [np.zeros(3), (1, "x")]}
+    assert same(one, {"a": [np.zeros(3), (1, "x")]})
+    assert not same(one, {"a": [np.zeros(4), (1, "x")]})
+    assert not same(one, {"a": [np.zeros(3, np.float32), (1, "x")]})
+    assert not same(one, {"a": [np.zeros(3), (2, "x")]})
+    assert not same(one, {"b": [np.zeros(3), (1, "x")]})

@@ -1,0 +1,108 @@
+"""A view's own matrices say what it sees: as the exported camera, and as its border leaves it."""
+
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+
+from iwis.iwis_addon.export.camera import export_camera
+from iwis.iwis_addon.view_camera import view_camera
+
+WIDTH, HEIGHT = 64, 48
+
+
+def make_view(scene, perspective="CAMERA", size=(WIDTH, HEIGHT), **space):
+    """What Blender's window would give: region, region_3d, space, scene."""
+    camera = scene.camera
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    overlay = SimpleNamespace(show_overlays=True)
+    defaults = {"camera": camera, "use_render_border": False, "overlay": overlay}
+    return (
+        SimpleNamespace(width=size[0], height=size[1]),
+        SimpleNamespace(
+            window_matrix=camera.calc_matrix_camera(depsgraph, x=size[0], y=size[1]),
+            view_matrix=camera.matrix_world.normalized().inverted(),
+            view_perspective=perspective,
+        ),
+        SimpleNamespace(**defaults | space),
+        scene,
+    )
+
+
+@pytest.fixture
+def seen(cube_scene):
+    """A camera with everything that moves its frame, and room around it."""
+    render, data = cube_scene.render, cube_scene.camera.data
+    render.resolution_x, render.resolution_y = WIDTH, HEIGHT
+    data.shift_x, data.shift_y, data.lens = 0.1, -0.05, 35.0
+    data.show_passepartout = False
+    bpy.context.view_layer.update()
+    return cube_scene
+
+
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
+def test_a_view_through_the_camera_sees_what_a_render_does(seen, kind):
+    """Window, place and clipping are those of the exported camera."""
+    seen.camera.data.type = kind
+    bpy.context.view_layer.update()
+    got = view_camera(*make_view(seen), 1)
+    expected = export_camera(bpy.context.evaluated_depsgraph_get(), [])
+    assert (got.kind, got.width, got.height) == (expected.kind, WIDTH, HEIGHT)
+    assert got.region == expected.region
+    # float32 matrices; the far plane is what is left of 1 - 2 near / far
+    np.testing.assert_allclose(got.window, expected.window, atol=1e-5)
+    np.testing.assert_allclose(got.camera_to_world, expected.camera_to_world, atol=1e-5)
+    assert got.clip_start == pytest.approx(expected.clip_start, rel=1e-3)
+    assert got.clip_end == pytest.approx(expected.clip_end, rel=1e-2)
+
+
+def test_pixel_size_keeps_pixels_in_their_places(seen):
+    """A size that does not divide the region reaches out to the right and to the top."""
+    fine, coarse = (view_camera(*make_view(seen, size=(62, 45)), size) for size in (1, 4))
+    assert (coarse.width, coarse.height) == (16, 12)
+    left, right, bottom, top = fine.window
+    expected = (left, left + (right - left) * 64 / 62, bottom, bottom + (top - bottom) * 48 / 45)
+    np.testing.assert_allclose(coarse.window, expected, rtol=1e-12)
+
+
+def test_border_of_a_view_is_a_part_of_the_region(seen):
+    """In a view that is not the camera's; one of no size leaves nothing."""
+    border = {
+        "use_render_border": True,
+        "render_border_min_x": 0.25,
+        "render_border_max_x": 0.5,
+        "render_border_min_y": 0.0,
+        "render_border_max_y": 1.0,
+    }
+    assert view_camera(*make_view(seen, "PERSP", **border), 1).region == (16, 0, 32, 48)
+    border["render_border_max_x"] = 0.25
+    assert view_camera(*make_view(seen, "PERSP", **border), 1) is None
+
+
+def test_render_border_is_a_part_of_the_cameras_frame(seen):
+    """The frame fills the region here, but for its shift: calc_matrix_camera() includes that."""
+    render = seen.render
+    render.use_border = True
+    render.border_min_x, render.border_max_x = 0.25, 0.75
+    render.border_min_y, render.border_max_y = 0.5, 1.0
+    x0, y0, x1, y1 = view_camera(*make_view(seen), 1).region
+    # One pixel for float32: edges are rounded outwards.
+    assert abs(np.array([x0, y0, x1, y1]) - [16, 24, 48, 48]).max() <= 1
+
+
+def test_opaque_passepartout_hides_what_is_around(seen):
+    """Twice as wide a region: only the frame in its middle is rendered."""
+    data = seen.camera.data
+    data.shift_x = data.shift_y = 0.0
+    data.show_passepartout, data.passepartout_alpha = True, 1.0
+    view = make_view(seen, size=(2 * WIDTH, HEIGHT))
+    view[1].window_matrix[0][0] *= 0.5  # room at both sides, as in a wide window
+    x0, _, x1, _ = view_camera(*view, 1).region
+    everything = view_camera(
+        *view[:2], SimpleNamespace(**vars(view[2]) | {"camera": None}), seen, 1
+    )
+    assert everything.region == (0, 0, 2 * WIDTH, HEIGHT)
+    assert 0 < x0 < x1 < 2 * WIDTH
+    data.passepartout_alpha = 0.5
+    assert view_camera(*view, 1).region == everything.region

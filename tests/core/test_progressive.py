@@ -1,0 +1,142 @@
+"""core/progressive.py: a coarse picture at once, the final one at the end, nothing after a stop."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from iwis.core.camera import rays_through
+from iwis.core.progressive import (
+    SHOWN,
+    STEPS,
+    Pace,
+    coarse_camera,
+    render_progressive,
+)
+from iwis.core.render_cache import RenderCache
+from iwis.core.settings import RenderSettings
+from iwis.core.watch import Cancelled, StopFlag
+from support.scenes import camera_above, make_picture, varied_scene
+
+SETTINGS = {"pixel_filter": "CENTER", "max_samples": 24, "error_threshold": 0.2, "tile_px": 16}
+
+
+class Screen:
+    """Takes pictures; sets an event at one of them."""
+
+    def __init__(self, event=None, at=1):
+        self.pictures, self._event, self._at = [], event, at
+
+    def show(self, picture):
+        layers = {name: layer.copy() for name, layer in picture.layers.items()}
+        self.pictures.append(picture._replace(layers=layers))
+        if self._event is not None and len(self.pictures) == self._at:
+            self._event.set()
+
+
+def run(scene, screen=None, restart=None, close=None, pace=None, **settings):
+    """All pictures that were shown."""
+    screen = screen or Screen()
+    render_progressive(
+        scene,
+        RenderSettings(**SETTINGS | settings),
+        screen.show,
+        RenderCache(),
+        pace or Pace(),
+        restart or StopFlag(),
+        close or StopFlag(),
+    )
+    return screen.pictures
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"pixel_filter": "CENTER"}, {"pixel_filter": "BOX"}, {"stop_rule": "FIXED"}],
+)
+def test_the_last_picture_is_as_good_as_the_final_render(settings):
+    """FIXED and filters: but for rounding. PERCEPTUAL decides anew at each pause: nearly so."""
+    last = run(varied_scene(), **settings)[-1]
+    final, _ = make_picture(varied_scene(), **SETTINGS | settings)
+    assert last.converged and last.step == 1
+    exact = settings != {"pixel_filter": "CENTER"}
+    for name in SHOWN if exact else ():
+        # products are made anew after a pause: samples move by float32's last bits
+        np.testing.assert_allclose(
+            last.layers[name], final[name], rtol=1e-4, atol=1e-5, err_msg=name
+        )
+    samples = last.layers["samples"].mean() / final["samples"].mean()
+    assert samples == pytest.approx(1.0, abs=0.0 if exact else 0.2)  # a round more, a round less
+    light, expected = last.layers["combined"].mean(), final["combined"].mean()
+    assert light == pytest.approx(expected, rel=0.02)  # of 1100 pixels with some 10 samples each
+
+
+def test_pictures_get_finer_and_the_first_is_coarse():
+    """The steps go down to 1; each picture covers the frame; only the last is converged."""
+    pictures = run(varied_scene())
+    steps = [picture.step for picture in pictures]
+    assert steps[0] > 1 and steps == sorted(steps, reverse=True) and steps[-1] == 1
+    assert [picture.converged for picture in pictures] == [False] * (len(steps) - 1) + [True]
+    camera = varied_scene().camera
+    for picture in pictures:
+        x0, y0, x1, y1 = picture.region
+        assert (x0, y0) == (0, 0)
+        assert x1 * picture.step >= camera.width > (x1 - 1) * picture.step
+        assert picture.layers["combined"].shape == (y1 - y0, x1 - x0, 4)
+
+
+def test_coarse_pictures_show_the_same_light():
+    """Their mean is the final picture's, as far as 4 samples of a part of the pixels tell."""
+    pictures = run(varied_scene())
+    final = pictures[-1].layers["combined"].mean()
+    half = next(p for p in pictures if p.step == 2)
+    assert half.layers["combined"].mean() == pytest.approx(final, rel=0.1)  # edges, noise
+
+
+def test_restart_waits_for_the_first_picture():
+    """Somebody who drags sees each place once, coarsely, even if the next is waiting already."""
+    restart = StopFlag()
+    restart.set()
+    assert [picture.step > 1 for picture in run(varied_scene(), restart=restart)] == [True]
+
+
+def test_close_shows_nothing_more():
+    """Neither at the beginning nor between two rounds."""
+    close = StopFlag()
+    screen = Screen(close)
+    assert len(run(varied_scene(), screen, restart=close, close=close)) == 1
+    closed = StopFlag()
+    closed.set()
+    with pytest.raises(Cancelled):  # the BVH is not built either
+        run(varied_scene(), close=closed)
+
+
+def test_a_border_is_the_same_part_of_the_frame():
+    """Its pixels are those of the whole frame."""
+    region = (8, 8, 24, 24)
+    whole = run(varied_scene(), stop_rule="FIXED")[-1].layers["combined"]
+    part = run(varied_scene(region=region), stop_rule="FIXED")[-1]
+    assert part.region == region
+    np.testing.assert_array_equal(part.layers["combined"], whole[8:24, 8:24])
+
+
+@pytest.mark.parametrize("step", STEPS[1:])
+def test_a_coarse_pixel_is_where_its_fine_ones_are(step):
+    """The ray through its middle is the fine camera's through the middle of those pixels."""
+    fine = dataclasses.replace(camera_above(37, 23), region=(5, 3, 30, 20))
+    coarse = coarse_camera(fine, step)
+    x, y = np.array([0.5, 1.5]), np.array([0.5, 1.5])
+    rays, expected = rays_through(coarse, x, y), rays_through(fine, x * step, y * step)
+    for a, b in zip(rays, expected, strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-6)  # float32 of numbers about 1
+    x0, y0, x1, y1 = coarse.region
+    assert x0 * step <= 5 and y0 * step <= 3 and x1 * step >= 30 and y1 * step >= 20
+
+
+def test_pace_chooses_coarser_steps_where_points_are_slow():
+    """A machine that takes ten times as long begins with a coarser picture."""
+    camera = camera_above(800, 600)
+    fast, slow = Pace(), Pace()
+    for _ in range(20):
+        fast.note(1000, 1e-4)
+        slow.note(1000, 1e-1)
+    assert fast.first_step(camera) == 2 and slow.first_step(camera) == STEPS[-1]

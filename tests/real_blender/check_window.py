@@ -1,0 +1,96 @@
+"""The extension in the window of a real Blender: random edits while the rendered view renders.
+
+    python tests/real_blender/check_window.py [--quick | --measure | --shots FOLDER] [--seed N]
+
+A hundred and more edits, undo, redo, engine switches, file loads and window resizes, each a step of
+edit_in_window.py; --quick does fewer of them. --measure prints latencies of the rendered view
+(measure_in_window.py), --shots takes the pictures of docs/ (shots_in_window.py) instead. real.py
+says what it needs; as root on Debian it is all there.
+"""
+
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+from real import HERE, ROOT, check, installed, parse
+from window import Window
+
+EDITS, QUICK_EDITS = 200, 50
+
+
+class Watcher:
+    """Does what the script in Blender asks for, and remembers what it said."""
+
+    def __init__(self, window: Window):
+        self._window, self.said = window, []
+
+    def __call__(self, line: str) -> None:
+        words = line.split()
+        if words[:1] != ["IWIS-TEST"]:
+            return
+        if words[1] == "SHOT":
+            self._window.screenshot(Path(words[2]))
+        elif words[1] == "CROP":
+            crop(Path(words[2]), *map(int, words[3:]))
+        elif words[1] == "RESIZE":
+            names = self._window.run("xdotool", "search", "--name", "Blender").split()
+            self._window.run("xdotool", "windowsize", names[0], *words[2:])
+        else:
+            print(" ", *words[1:], flush=True)
+            self.said.append(words[1])
+
+
+def crop(path: Path, x: int, y: int, width: int, height: int) -> None:
+    """Cut a part out of a picture, x and y from its upper left corner."""
+    image = bpy.data.images.load(str(path))
+    columns, rows = image.size
+    pixels = np.empty(columns * rows * 4, np.float32)
+    image.pixels.foreach_get(pixels)
+    low = rows - y - height
+    part = pixels.reshape(rows, columns, 4)[low : low + height, x : x + width]
+    image.scale(width, height)
+    image.pixels.foreach_set(np.ascontiguousarray(part).ravel())
+    image.save()
+    bpy.data.images.remove(image)
+
+
+def run_script(blender, folder: Path, script: str, arguments: list, words: list, seconds=1200):
+    """Run a script in Blender's window to its end; leave when it does not come there."""
+    log = folder / f"{script}.log"
+    with Window(blender.program, blender.environment, log) as window:
+        watcher = Watcher(window)
+        window.start(*map(str, arguments), script=HERE / script, words=list(map(str, words)))
+        code = window.wait(seconds, watcher)
+    text = log.read_text()
+    if code or "END" not in watcher.said:
+        sys.exit(f"{text[-5000:]}\n{script} ended with {code}")
+    check("Traceback" not in text, "no traceback in Blender's log")
+
+
+def main() -> None:
+    options = parse(
+        __doc__,
+        (["--quick"], {"action": "store_true", "help": "fewer edits"}),
+        (["--measure"], {"action": "store_true", "help": "measure latencies instead"}),
+        (["--shots"], {"type": Path, "help": "write the screenshots of the docs here instead"}),
+        (["--seed"], {"type": int, "default": 1, "help": "other edits"}),
+    )
+    samples = ROOT / "sample_blends"
+    with installed(options) as (blender, folder, _):
+        if options.measure:
+            run_script(blender, folder, "measure_in_window.py", [], [folder])
+            return
+        if options.shots:
+            options.shots.mkdir(parents=True, exist_ok=True)
+            words = [options.shots.resolve()]
+            run_script(blender, folder, "shots_in_window.py", [samples / "statue.blend"], words)
+            return
+        count = QUICK_EDITS if options.quick else EDITS
+        words = [options.seed, count, folder, samples / "turntable.blend"]
+        run_script(blender, folder, "edit_in_window.py", [samples / "statue.blend"], words)
+        check(True, f"{count} random edits with seed {options.seed}")
+
+
+if __name__ == "__main__":
+    main()
