@@ -29,6 +29,7 @@ from .sequence import pixel_sequence
 from .settings import RenderSettings
 from .shading import ShadingPoints, params_at, shading_points
 from .stop_rule import PAPER_RULE, Rule
+from .surface import surface_lobes
 from .unbiased import UnbiasedSampler
 from .watch import StopFlag
 
@@ -136,6 +137,8 @@ def trace_points(job: Job, origins, directions) -> ShadingPoints:
 def with_lobes(scene: Scene, points: ShadingPoints) -> SeenPoints:
     """Set up the materials of points."""
     rows = scene.mesh.material_index[points.triangle]
+    if scene.shaders is not None:
+        return SeenPoints(points, surface_lobes(scene, points), rows)
     lobes = setup_lobes(
         params_at(scene.materials, rows), points.normal, points.geometric_normal, points.wo
     )

@@ -40,15 +40,30 @@ class Instance(NamedTuple):
     terminator_offset: float
 
 
+class Look(NamedTuple):
+    """What an instance's materials may ask of its object.
+
+    color: rgba; random: 0 ... 1, another one for each instance; properties: by name
+    """
+
+    color: tuple
+    random: float
+    properties: dict
+
+
 class Inventory(NamedTuple):
     """All instances, the meshes that they share and the materials that they name.
 
     materials: evaluated bpy materials, None where a slot is empty or an object has no slot
+    sources: the bpy mesh of each part while the graph lives, None if it was a copy
+    looks: one an instance
     """
 
     parts: list[LocalMesh]
     instances: list[Instance]
     materials: list
+    sources: list
+    looks: list[Look]
 
 
 class _Ignored:
@@ -77,7 +92,7 @@ class _Collector:
         self._override = depsgraph.view_layer_eval.material_override
         self._material_rows: dict[int, int] = {}
         self._parts: dict[tuple[int, int], tuple[int | None, list[int]]] = {}
-        self.inventory = Inventory([], [], [])
+        self.inventory = Inventory([], [], [], [], [])
         self.ignored = _Ignored()
 
     def _material_row(self, material) -> int:
@@ -117,6 +132,7 @@ class _Collector:
             if local is not None:
                 row = len(self.inventory.parts)
                 self.inventory.parts.append(local)
+                self.inventory.sources.append(None if edited else mesh)
                 if self._override is None:
                     rows = list(map(self._material_row, mesh.materials))
             self._parts[key] = row, rows
@@ -124,7 +140,7 @@ class _Collector:
                 obj.to_mesh_clear()
         return self._parts[key]
 
-    def _add_mesh(self, obj, object_to_world):
+    def _add_mesh(self, obj, object_to_world, random_id):
         if not obj.visible_camera and not obj.visible_shadow:
             return  # neither a camera ray nor a shadow ray, the only two kinds that there are
         part, data_rows = self._part(obj)
@@ -139,6 +155,9 @@ class _Collector:
             self.ignored.add("Not rendered, the object's transform is not finite", obj.name)
             return
         slots = self._slots(obj, data_rows)
+        properties = dict(obj.items()) if obj.keys() else {}
+        random = (random_id & 0xFFFFFFFF) / 0xFFFFFFFF
+        self.inventory.looks.append(Look(tuple(obj.color), random, properties))
         self.inventory.instances.append(
             Instance(
                 obj.name,
@@ -162,7 +181,7 @@ class _Collector:
             return
         kind = obj.type
         if kind == "MESH":
-            self._add_mesh(obj, item.matrix_world)
+            self._add_mesh(obj, item.matrix_world, item.random_id)
         elif kind == "LIGHT":
             self.ignored.add("Only the world lights the scene, lights are ignored", obj.name)
         elif kind in UNSUPPORTED_TYPES:
