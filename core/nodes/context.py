@@ -188,10 +188,15 @@ class ShadeContext:
 
     @property
     def ray_length(self) -> np.ndarray:
-        """float32 (n,), metres from where the ray began."""
+        """float32 (n,), metres from where the ray began: as in Cycles, on the near clip plane."""
         if self._distance is not None:
             return self._distance
-        return np.linalg.norm(self.camera_position, axis=1)
+        depth = np.abs(self.camera_position[:, 2])
+        beyond = np.maximum(depth - np.float32(self.camera.clip_start), 0.0)
+        if self.camera.kind == "ORTHOGRAPHIC":
+            return beyond
+        slant = np.linalg.norm(self.camera_position, axis=1) / np.maximum(depth, 1e-20)
+        return (beyond * slant).astype(np.float32)
 
     def tangents(self, length) -> tuple[np.ndarray, np.ndarray]:
         """Two vectors in the plane of the face, at right angles, of a length (n,)."""

@@ -60,9 +60,6 @@ def _looked_up(image, u, v, interpolation, extension):
             total += texel * (weight_x * weight_y)[:, None]
     if image.dtype == np.uint8:
         total *= np.float32(1.0 / 255.0)
-    if extension == "CLIP":  # Cycles looks whether the place itself is outside
-        outside = (u < 0.0) | (u > 1.0) | (v < 0.0) | (v > 1.0)
-        total[outside] = 0.0
     return total
 
 

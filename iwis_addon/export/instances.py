@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...core.nodes.hashing import hash_words
 from .errors import ExportCancelled
 from .local_mesh import LocalMesh, read_mesh
 
@@ -64,6 +65,14 @@ class Inventory(NamedTuple):
     materials: list
     sources: list
     looks: list[Look]
+
+
+def random_of_name(name: str) -> int:
+    """What Cycles takes for the random number of an object that is no instance, 32 bits."""
+    word = 0
+    for byte in name.encode():
+        word = (word * 37 + byte) & 0xFFFFFFFF
+    return int(hash_words(np.array([word], np.uint32), np.zeros(1, np.uint32))[0])
 
 
 class _Ignored:
@@ -156,8 +165,8 @@ class _Collector:
             return
         slots = self._slots(obj, data_rows)
         properties = dict(obj.items()) if obj.keys() else {}
-        random = (random_id & 0xFFFFFFFF) / 0xFFFFFFFF
-        self.inventory.looks.append(Look(tuple(obj.color), random, properties))
+        random = (random_of_name(obj.name) if random_id is None else random_id) & 0xFFFFFFFF
+        self.inventory.looks.append(Look(tuple(obj.color), random / 0xFFFFFFFF, properties))
         self.inventory.instances.append(
             Instance(
                 obj.name,
@@ -181,7 +190,8 @@ class _Collector:
             return
         kind = obj.type
         if kind == "MESH":
-            self._add_mesh(obj, item.matrix_world, item.random_id)
+            random_id = item.random_id if item.is_instance else None
+            self._add_mesh(obj, item.matrix_world, random_id)
         elif kind == "LIGHT":
             self.ignored.add("Only the world lights the scene, lights are ignored", obj.name)
         elif kind in UNSUPPORTED_TYPES:

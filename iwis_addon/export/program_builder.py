@@ -22,6 +22,12 @@ _TYPES = {
     "RGBA": "COLOR",
 }
 _ZERO = np.float32(0.0)
+# Outputs of the Geometry node, and what stands in for them.
+_NOT_KNOWN = {
+    "Parametric": "other corners are counted than in Cycles",
+    "Pointiness": "0.5 everywhere",
+    "Random Per Island": "0 everywhere",
+}
 
 
 def constant_of(socket) -> np.ndarray | None:
@@ -156,6 +162,8 @@ class ProgramBuilder:
             self.requests.add({"Generated": "generated", "UV": "uv:"}[output])
         elif node.bl_idname == "ShaderNodeNewGeometry" and output == "Tangent":
             self.requests.add("generated")
+        elif node.bl_idname == "ShaderNodeNewGeometry" and output in _NOT_KNOWN:
+            self.reader.warn(node, f"{output} is not supported: {_NOT_KNOWN[output]}")
 
     def _made(self, node, groups):
         """Row of a node's operation, or its constant outputs; None if it is not supported."""

@@ -325,8 +325,8 @@ def test_texture_is_a_program_and_its_row_the_mean(build, floating):
     row, warnings = only(build.surface(node))
     assert warnings == []
     assert export_shaders([build.material], []).programs[0] is not None
-    # Floats: halfway between .5 and 1. Bytes are interpolated before they are decoded: Simpson's rule
-    # over what lies between 128 / 255 and 1 gives .5505.
+    # Floats: halfway between .5 and 1. Bytes are interpolated before they are decoded: Simpson's
+    # rule over what lies between 128 / 255 and 1 gives .5505.
     red = 0.75 if floating else 0.5505
     assert row["base_color"] == pytest.approx([red, 0.0, 1.0], abs=2e-3)  # 144 points
 
