@@ -91,3 +91,16 @@ def hash_cell(cell) -> np.ndarray:
             if turn == 0:
                 v ^= v >> np.int32(16)
     return (v & np.int32(0x7FFFFFFF)).astype(np.float32) * np.float32(1.0 / 0x7FFFFFFF)
+
+
+def hash_flat_cell(cell) -> np.ndarray:
+    """Voronoi's two numbers of a cell of the plane, float32 (2, n). cell: float32 (2, n), whole"""
+    factor = np.int32(1664525)
+    with np.errstate(over="ignore"):
+        v = cell.astype(np.int32) * factor + np.int32(1013904223)
+        for turn in range(2):
+            v[0] += v[1] * factor
+            v[1] += v[0] * factor
+            if turn == 0:
+                v ^= v >> np.int32(16)
+    return (v & np.int32(0x7FFFFFFF)).astype(np.float32) * np.float32(1.0 / 0x7FFFFFFF)

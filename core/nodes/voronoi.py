@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from .hashing import hash_cell, hash_numbers
+from .hashing import hash_cell, hash_flat_cell, hash_numbers
 from .noise import noise_place
 from .values import as_number, divided, mixed
 
@@ -15,6 +15,8 @@ def _point(cell, randomness):
     """The point of a cell, from its corner: float32 (d, n)."""
     if len(cell) == 1:
         return hash_numbers(cell[0])[None] * randomness
+    if len(cell) == 2:
+        return hash_flat_cell(cell) * randomness
     return hash_cell(cell)[: len(cell)] * randomness
 
 

@@ -1,6 +1,7 @@
 """Procedural textures."""
 
 from .cases import shown
+from .scene import find_socket
 
 
 def _texture(kind, output, **settings):
@@ -123,7 +124,9 @@ for _dimensions in ("1D", "2D", "3D", "4D"):
             "ShaderNodeVectorMath", 0, {0: tree.coordinates(), 1: (0.5, 0.5, 0.5)}, operation="SNAP"
         )
         node = tree.node("ShaderNodeTexWhiteNoise", noise_dimensions=dimensions)
-        tree.link(cells, node.inputs["Vector"])
+        if dimensions == "1D":
+            cells = tree.made("ShaderNodeSeparateXYZ", 0, {0: cells})
+        tree.link(cells, find_socket(node.inputs, "W" if dimensions == "1D" else "Vector"))
         return node.outputs["Color"]
 
     shown(f"White Noise {_dimensions}", _white)
