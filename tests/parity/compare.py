@@ -86,7 +86,7 @@ def _compared(ours, theirs, case, warnings) -> Result:
     # Texture edges and silhouettes between two pixels: a few whole pixels, not a tone.
     inner = ~far if far.mean() <= EDGES else np.ones_like(far)
     squared = max(float(((a - b) ** 2)[inner].mean() - noise), 0.0)
-    bias = float(a[inner].mean() / max(b[inner].mean(), 1e-9) - 1.0) if b.any() else float(a.any())
+    bias = float(a[inner].mean() - b[inner].mean()) / scale
     return Result(
         np.sqrt(squared) / scale, bias, float(far.mean()), warnings, a[..., :3], b[..., :3]
     )
