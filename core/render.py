@@ -40,6 +40,10 @@ def render(
     x0, y0, x1, y1 = scene.camera.region
     stats = RenderStats(width=x1 - x0, height=y1 - y0, triangles=len(scene.mesh.triangles))
     cache = cache or RenderCache()
+    if settings.estimator == "PAPER" and scene.shaders is not None:
+        # Its tables are made for a material as a whole: MaterialParams holds means.
+        scene = dataclasses.replace(scene, shaders=None)
+        stats.warnings.append("Mode PAPER shows textures and mixtures by one mean value a material")
     stop = StopFlag()
     threads = worker_count(settings)
     accel = light = tables = None

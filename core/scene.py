@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .program import Shaders
+
 EQUIRECTANGULAR, MIRROR_BALL = "EQUIRECTANGULAR", "MIRROR_BALL"
 LINEAR, CLOSEST, LINEAR_SRGB = "LINEAR", "CLOSEST", "LINEAR_SRGB"
 PERSPECTIVE, ORTHOGRAPHIC = "PERSPECTIVE", "ORTHOGRAPHIC"
@@ -166,6 +168,7 @@ class Scene:
     material_pass_index, object_pass_index: float32 (n,), values of the index passes
     terminator_offset: float32 (n_objects,), Blender's shadow terminator geometry offset: shadow
         rays of a smaller cosine start above coarse smooth faces; None = 0 for all
+    shaders: materials that vary over the surface; None: materials says all
     transparent_film: alpha 0 where the camera sees the world
     exposure: factor of the film
     measured: the BRDFs that materials of model MEASURED name by their row
@@ -178,6 +181,7 @@ class Scene:
     material_pass_index: np.ndarray
     object_pass_index: np.ndarray
     terminator_offset: np.ndarray | None = None
+    shaders: Shaders | None = None
     transparent_film: bool = False
     exposure: float = 1.0
     measured: MeasuredBrdfs = NO_MEASURED

@@ -30,6 +30,7 @@ from .sequence import PixelSequence, pixel_sequence
 from .settings import RenderSettings
 from .shading import ShadingPoints, params_at, shading_points
 from .stop_rule import PAPER_RULE, Rule
+from .surface import surface_lobes
 from .unbiased import UnbiasedSampler
 from .watch import StopFlag
 
@@ -137,6 +138,8 @@ def trace_points(job: Job, origins, directions) -> ShadingPoints:
 def with_lobes(scene: Scene, points: ShadingPoints) -> SeenPoints:
     """Set up the materials of points."""
     rows = scene.mesh.material_index[points.triangle]
+    if scene.shaders is not None:
+        return SeenPoints(points, surface_lobes(scene, points), rows)
     params = params_at(scene.materials, rows)
     lobes = setup_lobes(params, points.normal, points.geometric_normal, points.wo, scene.measured)
     return SeenPoints(points, lobes, rows)

@@ -2,20 +2,25 @@
 
 errors                       what can stop an export
 local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
-camera, material, world      the other parts of a Scene
+camera, world                the other parts of a Scene
+material, shader_reader      shader nodes to rows of materials, and to closures of programs
+program_builder, ..._nodes, ..._images, surface_data
+                             value nodes to operations, with all that these look up
 measured                     materials with a measured BRDF in place of nodes
 live                         a window's scene, of which only what has changed is read again
 """
 
 from __future__ import annotations
 
+from ...core.program import Shaders
 from ...core.scene import NO_MEASURED, Scene
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
 from .live import LiveExport
-from .material import export_materials
+from .material import MaterialExport, export_shaders
 from .measured import add_measured, without_measured
-from .mesh import ExportCache, export_mesh
+from .mesh import ExportCache, MeshExport, export_mesh
+from .surface_data import surface_data
 from .world import export_world
 
 __all__ = [
@@ -48,13 +53,13 @@ def export_scene(
     camera = camera or export_camera(depsgraph, warnings, region=region)
     keep = (live or LiveExport()).keep
     geometry = export_mesh(depsgraph, warnings, cache, cancelled)
-    materials, material_pass_index, measured = keep(
+    texels = None if cache is None else cache.texels
+    materials, measured = keep(
         "materials",
         geometry.materials,
         warnings,
-        lambda lines: _export_materials(geometry, lines),
+        lambda lines: _export_materials(geometry, texels, lines),
     )
-    texels = None if cache is None else cache.texels
     environment = keep(
         "world",
         [depsgraph.scene_eval.world],
@@ -66,10 +71,11 @@ def export_scene(
     scene = depsgraph.scene_eval
     return Scene(
         mesh=geometry.mesh,
-        materials=materials,
+        materials=materials.params,
+        shaders=_shaders(geometry, materials, warnings),
         environment=environment,
         camera=camera,
-        material_pass_index=material_pass_index,
+        material_pass_index=materials.pass_index,
         object_pass_index=geometry.object_pass_index,
         terminator_offset=geometry.terminator_offset,
         transparent_film=scene.render.film_transparent,
@@ -83,9 +89,25 @@ def film_exposure(scene) -> float:
     return scene.cycles.film_exposure if hasattr(scene, "cycles") else 1.0
 
 
-def _export_materials(geometry, warnings):
-    """(MaterialParams, pass indices, MeasuredBrdfs or None) of the materials of a mesh table."""
+def _export_materials(geometry: MeshExport, texels, warnings: list[str]):
+    """(MaterialExport, MeasuredBrdfs or None) of the materials of a mesh table."""
     materials, users = geometry.materials, geometry.material_users
-    return add_measured(
-        materials, *export_materials(without_measured(materials), warnings, users), users
+    found = export_shaders(without_measured(materials), warnings, users, texels)
+    params, index, measured = add_measured(materials, found.params, found.pass_index, users)
+    return found._replace(params=params, pass_index=index), measured
+
+
+def _shaders(
+    geometry: MeshExport, materials: MaterialExport, warnings: list[str]
+) -> Shaders | None:
+    """The programs of the scene's materials; None where no material needs one."""
+    if not any(materials.programs):
+        return None
+    surface = surface_data(
+        geometry.inventory, geometry.mesh, geometry.kept, materials.requests, warnings
+    )
+    return Shaders(
+        programs=materials.programs,
+        surface=surface,
+        material_pass_index=materials.pass_index,
     )

@@ -47,7 +47,7 @@ def read_texels(image, image_user=None) -> Texels:
 
 
 def _texels_of(image) -> Texels:
-    rgba = _pixels(image)
+    rgba = pixels_of(image)
     color, alpha = rgba[..., :3], rgba[..., 3:]
     encoded = not image.is_float
     path = bpy.path.abspath(image.filepath, library=image.library)
@@ -89,10 +89,10 @@ def _multiplied(color, alpha, is_float):
 
 
 def _color(image) -> np.ndarray:
-    return np.ascontiguousarray(_pixels(image)[..., :3])
+    return np.ascontiguousarray(pixels_of(image)[..., :3])
 
 
-def _pixels(image) -> np.ndarray:
+def pixels_of(image) -> np.ndarray:
     """image.pixels as float32 (h, w, 4)."""
     width, height = image.size  # loads the file
     if width * height == 0 or image.channels == 0:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...core.nodes.hashing import hash_words
 from .errors import ExportCancelled
 from .local_mesh import LiveMeshes, LocalMesh, read_mesh
 
@@ -40,15 +41,38 @@ class Instance(NamedTuple):
     terminator_offset: float
 
 
+class Look(NamedTuple):
+    """What an instance's materials may ask of its object.
+
+    color: rgba; random: 0 ... 1, another one for each instance; properties: by name
+    """
+
+    color: tuple
+    random: float
+    properties: dict
+
+
 class Inventory(NamedTuple):
     """All instances, the meshes that they share and the materials that they name.
 
     materials: evaluated bpy materials, None where a slot is empty or an object has no slot
+    sources: the bpy mesh of each part while the graph lives, None if it was a copy
+    looks: one an instance
     """
 
     parts: list[LocalMesh]
     instances: list[Instance]
     materials: list
+    sources: list
+    looks: list[Look]
+
+
+def random_of_name(name: str) -> int:
+    """What Cycles takes for the random number of an object that is no instance, 32 bits."""
+    word = 0
+    for byte in name.encode():
+        word = (word * 37 + byte) & 0xFFFFFFFF
+    return int(hash_words(np.array([word], np.uint32), np.zeros(1, np.uint32))[0])
 
 
 class _Ignored:
@@ -78,7 +102,7 @@ class _Collector:
         self._override = depsgraph.view_layer_eval.material_override
         self._material_rows: dict[int, int] = {}
         self._parts: dict[tuple[int, int], tuple[int | None, list[int]]] = {}
-        self.inventory = Inventory([], [], [])
+        self.inventory = Inventory([], [], [], [], [])
         self.ignored = _Ignored()
 
     def _material_row(self, material) -> int:
@@ -121,6 +145,7 @@ class _Collector:
             if local is not None:
                 row = len(self.inventory.parts)
                 self.inventory.parts.append(local)
+                self.inventory.sources.append(None if edited else mesh)
                 if self._override is None:
                     rows = list(map(self._material_row, mesh.materials))
             self._parts[key] = row, rows
@@ -128,7 +153,7 @@ class _Collector:
                 obj.to_mesh_clear()
         return self._parts[key]
 
-    def _add_mesh(self, obj, owner, object_to_world):
+    def _add_mesh(self, obj, owner, object_to_world, random_id):
         if not obj.visible_camera and not obj.visible_shadow:
             return  # neither a camera ray nor a shadow ray, the only two kinds that there are
         part, data_rows = self._part(obj, owner)
@@ -143,6 +168,9 @@ class _Collector:
             self.ignored.add("Not rendered, the object's transform is not finite", obj.name)
             return
         slots = self._slots(obj, data_rows)
+        properties = dict(obj.items()) if obj.keys() else {}
+        random = (random_of_name(obj.name) if random_id is None else random_id) & 0xFFFFFFFF
+        self.inventory.looks.append(Look(tuple(obj.color), random / 0xFFFFFFFF, properties))
         self.inventory.instances.append(
             Instance(
                 obj.name,
@@ -167,7 +195,8 @@ class _Collector:
         kind = obj.type
         if kind == "MESH":
             owner = item.parent if item.is_instance and item.parent else obj
-            self._add_mesh(obj, owner, item.matrix_world)
+            random_id = item.random_id if item.is_instance else None
+            self._add_mesh(obj, owner, item.matrix_world, random_id)
         elif kind == "LIGHT":
             self.ignored.add("Only the world lights the scene, lights are ignored", obj.name)
         elif kind in UNSUPPORTED_TYPES:

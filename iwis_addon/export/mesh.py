@@ -26,6 +26,8 @@ class MeshExport(NamedTuple):
     materials: evaluated bpy materials or None, row = TriangleMesh.material_index
     material_users: names of the objects that have each material in a slot, in their order
     object_pass_index, terminator_offset: float32 (n,), row = TriangleMesh.object_index
+    inventory: where all came from; kept: bool, of all triangles those of mesh, and
+        int32, the objects of all; None: all are in it
     """
 
     mesh: TriangleMesh
@@ -33,6 +35,8 @@ class MeshExport(NamedTuple):
     material_users: list[list[str]]
     object_pass_index: np.ndarray
     terminator_offset: np.ndarray
+    inventory: Inventory
+    kept: tuple[np.ndarray, np.ndarray] | None
 
 
 class ExportCache:
@@ -48,15 +52,16 @@ class ExportCache:
         self.parts: dict[bytes, LocalMesh] = {}
         self.key = None
         self.mesh: TriangleMesh | None = None
+        self.kept: tuple[np.ndarray, np.ndarray] | None = None
         self.warnings: list[str] = []
         self.texels = TexelCache()
         # Of a window: what need not be read again, and which items it shows (collect_instances).
         self.live: LiveMeshes | None = None
         self.shown = None
 
-    def remember(self, key, parts, mesh, warnings):
+    def remember(self, key, parts, mesh, kept, warnings):
         self.parts = {part.digest: part for part in parts}
-        self.key, self.mesh, self.warnings = key, mesh, warnings
+        self.key, self.mesh, self.kept, self.warnings = key, mesh, kept, warnings
 
 
 def _drop_triangles(mesh: TriangleMesh, keep, instances, warnings) -> TriangleMesh:
@@ -111,10 +116,12 @@ def _material_users(inventory: Inventory) -> list[list[str]]:
     return list(map(list, users))
 
 
-def _merge(inventory: Inventory, warnings, cancelled) -> TriangleMesh:
+def _merge(inventory: Inventory, warnings, cancelled):
+    """(mesh, MeshExport.kept)."""
     _check_size(inventory)
     mesh, has_area = place_instances(inventory, cancelled)
-    return _drop_triangles(mesh, has_area, inventory.instances, warnings)
+    kept = None if has_area.all() else (has_area, mesh.object_index)
+    return _drop_triangles(mesh, has_area, inventory.instances, warnings), kept
 
 
 def export_mesh(
@@ -134,10 +141,11 @@ def export_mesh(
     lift = np.array([instance.terminator_offset for instance in instances], np.float32)
     rest = inventory.materials, _material_users(inventory), pass_index, lift
     if cache is None:
-        return MeshExport(_merge(inventory, warnings, cancelled), *rest)
+        mesh, kept = _merge(inventory, warnings, cancelled)
+        return MeshExport(mesh, *rest, inventory, kept)
     key = [(i.name, parts[i.part].digest, i.object_to_world.tobytes(), i.slots) for i in instances]
     if cache.mesh is None or key != cache.key:
         lines: list[str] = []
-        cache.remember(key, parts, _merge(inventory, lines, cancelled), lines)
+        cache.remember(key, parts, *_merge(inventory, lines, cancelled), lines)
     warnings.extend(cache.warnings)
-    return MeshExport(cache.mesh, *rest)
+    return MeshExport(cache.mesh, *rest, inventory, cache.kept)

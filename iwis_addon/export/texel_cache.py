@@ -47,6 +47,16 @@ class TexelCache:
             self._source, self._mended = radiance, (result, notes)
         return self._mended
 
+    def tiles(self, image, image_user, make):
+        """make(image, image_user), or what it gave while the image was the same."""
+        key = self._key(image, image_user)
+        if key is None:
+            return make(image, image_user)
+        key = ("tiles", *key)
+        tiles = self._last.get(key) or self._now.get(key) or make(image, image_user)
+        self._now[key] = tiles
+        return tiles
+
     def _key(self, image, image_user) -> tuple | None:
         """All that the texels depend on; None where that cannot be told."""
         if image is None or image.is_dirty or image.source in ("MOVIE", "TILED"):

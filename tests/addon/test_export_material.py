@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from iwis.core.scene import BECKMANN, BLACK, DIFFUSE, GGX, GLOSSY, MULTI_GGX, PRINCIPLED
-from iwis.iwis_addon.export.material import export_materials
+from iwis.iwis_addon.export.material import export_materials, export_shaders
 
 
 class Build:
@@ -260,15 +260,25 @@ def test_metallic_node_is_a_principled_metal(build):
     assert row["base_color"] == about([0.9, 0.6, 0.3]) and row["specular_tint"] == [0.5, 1.0, 1.0]
 
 
-def test_bump_displacement_and_volume_are_told(build):
-    """What feeds Normal, Displacement and Volume is left out, with a warning each."""
-    bump = build.node("ShaderNodeBump")
-    node = build.node("ShaderNodeBsdfDiffuse", links=[("Normal", bump.outputs[0])])
+def test_displacement_and_volume_are_told(build):
+    """What feeds Displacement and Volume is left out, with a warning each."""
+    node = build.node("ShaderNodeBsdfDiffuse")
     build.link(build.node("ShaderNodeVolumeScatter").outputs[0], build.output.inputs["Volume"])
     build.link(build.node("ShaderNodeDisplacement").outputs[0], build.output.inputs["Displacement"])
     warnings = only(build.surface(node))[1]
-    assert [next(w for w in ("Normal", "Volume", "Displacement") if w in line) for line in warnings]
-    assert len(warnings) == 3
+    assert [next(w for w in ("Volume", "Displacement") if w in line) for line in warnings]
+    assert len(warnings) == 2
+
+
+def test_normal_becomes_part_of_a_program(build):
+    """A normal that is turned makes a program, without a warning."""
+    bump = build.node("ShaderNodeBump")
+    bump_height = next(s for s in bump.inputs if s.name == "Height")
+    build.link(build.node("ShaderNodeTexNoise").outputs[0], bump_height)
+    node = build.node("ShaderNodeBsdfDiffuse", links=[("Normal", bump.outputs[0])])
+    warnings = []
+    found = export_shaders([build.surface(node).material], warnings)
+    assert warnings == [] and found.programs[0].closures[0].normal is not None
 
 
 def test_constants_are_found_through_links(build):
@@ -306,16 +316,19 @@ def test_node_group(build):
 
 
 @pytest.mark.parametrize("floating", [False, True])
-def test_texture_becomes_its_mean(build, floating):
-    """An image is the mean of its linear texels for now, and the warning says which image."""
+def test_texture_is_a_program_and_its_row_the_mean(build, floating):
+    """An image is looked up at each point; the row, for mode PAPER, has its mean."""
     image = bpy.data.images.new("Tiles", 2, 2, float_buffer=floating)
     image.pixels[:] = [0.5, 0.0, 1.0, 1.0] * 2 + [1.0, 0.0, 1.0, 1.0] * 2
     texture = build.node("ShaderNodeTexImage", "Tex", image=image)
     node = build.node("ShaderNodeBsdfDiffuse", links=[("Color", texture.outputs["Color"])])
     row, warnings = only(build.surface(node))
-    half = 0.5 if floating else 0.2140  # 128/255 of sRGB
-    assert row["base_color"] == pytest.approx([0.5 + 0.5 * half, 0.0, 1.0], abs=2e-3)  # 8 bits
-    assert len(warnings) == 1 and "Tiles" in warnings[0] and 'node "Tex"' in warnings[0]
+    assert warnings == []
+    assert export_shaders([build.material], []).programs[0] is not None
+    # Floats: halfway between .5 and 1. Bytes are interpolated before they are decoded: Simpson's
+    # rule over what lies between 128 / 255 and 1 gives .5505.
+    red = 0.75 if floating else 0.5505
+    assert row["base_color"] == pytest.approx([red, 0.0, 1.0], abs=2e-3)  # 144 points
 
 
 def test_texture_without_image(build):
@@ -327,14 +340,14 @@ def test_texture_without_image(build):
 
 
 def test_other_link_leaves_the_value_beneath(build):
-    """A procedural texture: the socket's own value, and a warning."""
-    noise = build.node("ShaderNodeTexNoise", "Noise")
+    """A node that is not supported: the socket's own value, and a warning."""
+    wave = build.node("ShaderNodeTexIES", "Lamp")
     node = build.node(
-        "ShaderNodeBsdfDiffuse", Color=(0.5, 0.25, 0, 1), links=[("Color", noise.outputs[0])]
+        "ShaderNodeBsdfDiffuse", Color=(0.5, 0.25, 0, 1), links=[("Color", wave.outputs[0])]
     )
     row, warnings = only(build.surface(node))
     assert row["base_color"] == [0.5, 0.25, 0.0]
-    assert len(warnings) == 1 and 'node "Noise"' in warnings[0] and '"Color"' in warnings[0]
+    assert len(warnings) == 1 and 'node "Lamp"' in warnings[0] and '"Color"' in warnings[0]
 
 
 def test_nothing_linked_is_black_with_a_word(build):

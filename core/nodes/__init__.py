@@ -1,0 +1,13 @@
+"""Shader nodes over the points of a tile, in NumPy: core.program's operations become values.
+
+values       arithmetic of numbers (n,) and vectors (n, 3)
+context      what a node may ask of the points
+coordinates, images, arithmetic, color, normals, noise, voronoi, patterns
+             the nodes, one file a family
+evaluate     a program's operations in their order
+"""
+
+from .context import ShadeContext
+from .evaluate import FUNCTIONS, Evaluation
+
+__all__ = ["FUNCTIONS", "Evaluation", "ShadeContext"]

@@ -1,0 +1,215 @@
+"""What a node may ask of the shading points that it is evaluated at."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from ..program import SurfaceData
+from ..scene import Camera, TriangleMesh
+from .values import dot, normalized
+
+
+def _in_plane(mesh, triangle, offset):
+    """Float64 (n, 2), what offsets in the planes of triangles add to barycentric coordinates."""
+    a, b, c = (mesh.vertices[corner].astype(np.float64) for corner in mesh.triangles[triangle].T)
+    b, c = b - a, c - a
+    bb, bc, cc = dot(b, b), dot(b, c), dot(c, c)
+    ob, oc = dot(offset, b), dot(offset, c)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = np.nan_to_num(1.0 / (bb * cc - bc * bc), posinf=0.0)
+    return np.stack([cc * ob - bc * oc, bb * oc - bc * ob], -1) * inverse[:, None]
+
+
+def barycentric_of(mesh: TriangleMesh, triangle, position) -> np.ndarray:
+    """float32 (n, 2): weights of the second and third corner at places on triangles.
+
+    From the place again, so that what traces rays need not carry them along.
+    """
+    first = mesh.vertices[mesh.triangles[triangle, 0]].astype(np.float64)
+    return np.clip(_in_plane(mesh, triangle, position - first), 0.0, 1.0).astype(np.float32)
+
+
+class ShadeContext:
+    """n points on triangles; what is costly is computed when it is first asked for.
+
+    triangle: int32 (n,); barycentric: float32 (n, 2), weights of the second and third corner
+    position, wo, normal, geometric_normal: float32 (n, 3), world space, as in ShadingPoints
+    shadow: whether a shadow ray asks, and not the camera
+    """
+
+    def __init__(
+        self,
+        mesh: TriangleMesh,
+        surface: SurfaceData,
+        camera: Camera,
+        material_pass_index: np.ndarray,
+        triangle,
+        barycentric,
+        position,
+        wo,
+        normal,
+        geometric_normal,
+        shadow=False,
+        distance=None,
+    ):
+        self.mesh, self.surface, self.camera = mesh, surface, camera
+        self._material_pass_index = material_pass_index
+        self.triangle, self.barycentric, self.position = triangle, barycentric, position
+        self.wo, self.normal, self.geometric_normal = wo, normal, geometric_normal
+        self.shadow = shadow
+        self._distance = distance
+
+    @classmethod
+    def of_points(cls, scene, points) -> ShadeContext:
+        """Of ShadingPoints of a Scene with shaders."""
+        mesh, shaders = scene.mesh, scene.shaders
+        return cls(
+            mesh,
+            shaders.surface,
+            scene.camera,
+            shaders.material_pass_index,
+            points.triangle,
+            barycentric_of(mesh, points.triangle, points.position),
+            points.position,
+            points.wo,
+            points.normal,
+            points.geometric_normal,
+        )
+
+    def __len__(self):
+        return len(self.triangle)
+
+    def take(self, which) -> ShadeContext:
+        """Some of the points."""
+        arrays = (self.triangle, self.barycentric, self.position, self.wo)
+        arrays += (self.normal, self.geometric_normal)
+        distance = None if self._distance is None else self._distance[which]
+        return ShadeContext(
+            self.mesh,
+            self.surface,
+            self.camera,
+            self._material_pass_index,
+            *(a[which] for a in arrays),
+            self.shadow,
+            distance,
+        )
+
+    @cached_property
+    def object(self) -> np.ndarray:
+        """Row of the object, int (n,)."""
+        return self.mesh.object_index[self.triangle]
+
+    @cached_property
+    def material_index(self) -> np.ndarray:
+        return self._material_pass_index[self.mesh.material_index[self.triangle]]
+
+    @cached_property
+    def _world_to_object(self):
+        with np.errstate(all="ignore"):
+            matrices = self.surface.object_to_world
+            good = np.abs(np.linalg.det(matrices)) > 0.0
+            inverse = np.linalg.inv(np.where(good[:, None, None], matrices, np.eye(4)))
+        return inverse
+
+    @cached_property
+    def backfacing(self) -> np.ndarray:
+        """float32 (n,): 1 where the camera sees the back."""
+        a, b, c = (self.mesh.vertices[corner] for corner in self.mesh.triangles[self.triangle].T)
+        winding = dot(np.cross(b - a, c - a), self.geometric_normal) < 0.0
+        return winding.astype(np.float32)
+
+    @cached_property
+    def object_position(self) -> np.ndarray:
+        """float32 (n, 3), in the object's own space."""
+        matrix = self._world_to_object[self.object]
+        moved = np.einsum("nij,nj->ni", matrix[:, :3, :3], self.position) + matrix[:, :3, 3]
+        return moved.astype(np.float32)
+
+    def normal_to_object(self, vectors) -> np.ndarray:
+        """World normals in the object's space, unit."""
+        matrix = self.surface.object_to_world[self.object][:, :3, :3]
+        return normalized(np.einsum("nji,nj->ni", matrix, vectors).astype(np.float32))
+
+    def normal_to_world(self, vectors) -> np.ndarray:
+        """Object normals in world space, unit."""
+        matrix = self._world_to_object[self.object][:, :3, :3]
+        return normalized(np.einsum("nji,nj->ni", matrix, vectors).astype(np.float32))
+
+    def vector_to_world(self, vectors) -> np.ndarray:
+        matrix = self.surface.object_to_world[self.object][:, :3, :3]
+        return np.einsum("nij,nj->ni", matrix, vectors).astype(np.float32)
+
+    def attribute(self, name: str) -> np.ndarray | None:
+        """Corner values interpolated, float32 (n, width); zeros where a mesh has none of them."""
+        table = self.surface.tables.get(name)
+        if table is None:
+            return None
+        row = self.surface.row[self.triangle]
+        u, v = self.barycentric[:, 0], self.barycentric[:, 1]
+        flipped = self.surface.mirrored[self.object]
+        u, v = np.where(flipped, v, u), np.where(flipped, u, v)
+        corners = table[row]
+        value = (1.0 - u - v)[:, None] * corners[:, 0]
+        value += u[:, None] * corners[:, 1]
+        value += v[:, None] * corners[:, 2]
+        value[row < 0] = 0.0
+        return value
+
+    def uv(self, name: str = "") -> np.ndarray:
+        """float32 (n, 3) of a UV map, of the active one for ""; 0 where there is none."""
+        value = self.attribute(f"uv:{name}")
+        if value is None:
+            return np.zeros((len(self), 3), np.float32)
+        return np.pad(value, ((0, 0), (0, 1)))
+
+    @cached_property
+    def generated(self) -> np.ndarray:
+        value = self.attribute("generated")
+        return self.object_position if value is None else value
+
+    @cached_property
+    def camera_position(self) -> np.ndarray:
+        """float32 (n, 3): right, up, away from the camera."""
+        matrix = np.linalg.inv(self.camera.camera_to_world)
+        moved = self.position @ matrix[:3, :3].T + matrix[:3, 3]
+        return (moved * (1.0, 1.0, -1.0)).astype(np.float32)
+
+    @cached_property
+    def footprint(self) -> np.ndarray:
+        """float32 (n,), metres that a pixel covers at the point, seen straight on."""
+        left, right, _, _ = self.camera.window
+        width = abs(right - left) / self.camera.width
+        if self.camera.kind == "ORTHOGRAPHIC":
+            return np.full(len(self), width, np.float32)
+        depth = np.abs(self.camera_position[:, 2])
+        return np.maximum(depth * width, 1e-6).astype(np.float32)
+
+    @property
+    def ray_length(self) -> np.ndarray:
+        """float32 (n,), metres from where the ray began: as in Cycles, on the near clip plane."""
+        if self._distance is not None:
+            return self._distance
+        depth = np.abs(self.camera_position[:, 2])
+        beyond = np.maximum(depth - np.float32(self.camera.clip_start), 0.0)
+        if self.camera.kind == "ORTHOGRAPHIC":
+            return beyond
+        slant = np.linalg.norm(self.camera_position, axis=1) / np.maximum(depth, 1e-20)
+        return (beyond * slant).astype(np.float32)
+
+    def tangents(self, length) -> tuple[np.ndarray, np.ndarray]:
+        """Two vectors in the plane of the face, at right angles, of a length (n,)."""
+        n = self.geometric_normal
+        axis = np.where(np.abs(n[:, :1]) > 0.6, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
+        t = normalized(np.cross(axis, n))
+        scale = np.asarray(length, np.float32)[:, None]
+        return (t * scale).astype(np.float32), (np.cross(n, t) * scale).astype(np.float32)
+
+    def moved(self, offset) -> ShadeContext:
+        """The same points moved in the planes of their faces. offset: float32 (n, 3)"""
+        moved = _in_plane(self.mesh, self.triangle, offset)
+        other = self.take(slice(None))
+        other.position = self.position + offset
+        other.barycentric = (self.barycentric + moved).astype(np.float32)
+        return other

@@ -1,0 +1,106 @@
+"""A program's operations over shading points. An operation is done when its value is asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..program import Program, Ref, Value
+from . import arithmetic, color, coordinates, images, noise, normals, patterns, voronoi
+from .context import ShadeContext
+from .values import as_number, as_vector, column, convert
+
+FUNCTIONS = {}
+for family in (arithmetic, color, coordinates, images, normals, noise, voronoi, patterns):
+    FUNCTIONS |= family.FUNCTIONS
+
+
+def _convert(context, settings, inputs):
+    return {"": convert(inputs["Value"], settings["source"], settings["target"])}
+
+
+def _scale(context, settings, inputs):
+    """Colour times number."""
+    return {"": inputs["Color"] * column(inputs["Factor"])}
+
+
+def _product(context, settings, inputs):
+    return {"": inputs["A"] * inputs["B"]}
+
+
+def _weigh(context, settings, inputs):
+    """The part of a weight that one side of a Mix Shader gets. settings: second"""
+    factor = np.clip(inputs["Factor"], 0.0, 1.0)
+    return {"": inputs["Weight"] * column(factor if settings["second"] else 1.0 - factor)}
+
+
+def _sum(context, settings, inputs):
+    """Values added up, whatever their names."""
+    values = list(inputs.values())
+    return {"": sum(values[1:], values[0])}
+
+
+FUNCTIONS |= {
+    "convert": _convert,
+    "scale": _scale,
+    "product": _product,
+    "weigh": _weigh,
+    "sum": _sum,
+}
+
+
+class Evaluation:
+    """The values of one program at the points of one context."""
+
+    def __init__(self, program: Program, context: ShadeContext):
+        self._ops, self._context = program.ops, context
+        self._done: dict[int, dict] = {}
+
+    def number(self, value: Value) -> np.ndarray:
+        """float32 (n,)"""
+        return as_number(_finite(self.value(value)), len(self._context))
+
+    def vector(self, value: Value) -> np.ndarray:
+        """float32 (n, 3)"""
+        return as_vector(_finite(self.value(value)), len(self._context))
+
+    def value(self, value: Value):
+        """As the node gives it: one value for all points, or one for each."""
+        if not isinstance(value, Ref):
+            return value
+        if value.op not in self._done:
+            self._done[value.op] = self._run(self._ops[value.op])
+        return self._done[value.op][value.output]
+
+    def _run(self, op):
+        settings = op.settings
+        if op.kind == "ShaderNodeBump":
+            settings = {**settings, "heights": self._heights(op)}
+        inputs = {name: self.value(v) for name, v in op.inputs.items() if name != "Height"}
+        with np.errstate(all="ignore"):
+            return FUNCTIONS[op.kind](self._context, settings, inputs)
+
+    def _heights(self, op):
+        """A bump's height here and a part of a pixel aside, and the two steps, (n, 3) each."""
+        context, height = self._context, op.inputs["Height"]
+        width = as_number(self.value(op.inputs.get("Filter Width", np.float32(0.1))), len(context))
+        steps = context.tangents(np.maximum(context.footprint * width, _least_step(context)))
+        moved = (Evaluation(_Ops(self._ops), context.moved(step)).number(height) for step in steps)
+        return self.number(height), *moved, steps
+
+
+class _Ops:
+    """The operations alone."""
+
+    def __init__(self, ops):
+        self.ops = ops
+
+
+def _least_step(context):
+    """Metres: below, float32 positions do not tell the steps apart."""
+    return np.float32(2e-5) * np.abs(context.position).max(axis=1).clip(1e-3)
+
+
+def _finite(value):
+    """0 for what is no number, as in Cycles."""
+    value = np.asarray(value, np.float32)
+    return value if np.isfinite(value).all() else np.nan_to_num(value, posinf=0.0, neginf=0.0)

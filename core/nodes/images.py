@@ -1,0 +1,189 @@
+"""The Image Texture node: projections, extension, interpolation, tiles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .values import clipped, parts
+
+_MISSING = np.float32([1.0, 0.0, 1.0, 1.0])  # what Cycles shows for an image that is not there
+
+
+def srgb_decode(encoded):
+    """Linear of sRGB."""
+    curve = ((np.maximum(encoded, 0.0) + 0.055) / 1.055) ** 2.4
+    return np.where(encoded < 0.04045, np.maximum(encoded, 0.0) / 12.92, curve).astype(np.float32)
+
+
+def _texel(image, x, y, extension):
+    """Texels (n, 4) at integer places, by the rule for those outside."""
+    height, width, _ = image.shape
+    if extension == "REPEAT":
+        return image[y % height, x % width]
+    if extension == "MIRROR":
+        x, y = x % (2 * width), y % (2 * height)
+        return image[np.minimum(y, 2 * height - 1 - y), np.minimum(x, 2 * width - 1 - x)]
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    value = image[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)]
+    return value if extension == "EXTEND" else np.where(inside[..., None], value, np.float32(0.0))
+
+
+def _cubic_weights(t):
+    """Those of the four texels about a place, by the uniform cubic B-spline."""
+    return (
+        t * (t * (t * (-1.0 / 6.0) + 0.5) - 0.5) + 1.0 / 6.0,
+        t * t * (t * 0.5 - 1.0) + 2.0 / 3.0,
+        t * (t * (t * -0.5 + 0.5) + 0.5) + 1.0 / 6.0,
+        t * t * t * (1.0 / 6.0),
+    )
+
+
+def _looked_up(image, u, v, interpolation, extension):
+    height, width, _ = image.shape
+    big = np.float64(1e8)  # beyond, a float has no place inside a texel
+    x = np.clip(np.nan_to_num(u.astype(np.float64)) * width, -big, big)
+    y = np.clip(np.nan_to_num(v.astype(np.float64)) * height, -big, big)
+    if interpolation == "Closest":
+        texel = _texel(image, np.floor(x).astype(np.int64), np.floor(y).astype(np.int64), extension)
+        scale = np.float32(1.0 / 255.0 if image.dtype == np.uint8 else 1.0)
+        return texel.astype(np.float32) * scale
+    x, y = x - 0.5, y - 0.5
+    column0, row0 = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    tx, ty = (x - column0).astype(np.float32), (y - row0).astype(np.float32)
+    first, wx, wy = 0, (1.0 - tx, tx), (1.0 - ty, ty)
+    if interpolation in ("Cubic", "Smart"):
+        first, wx, wy = -1, _cubic_weights(tx), _cubic_weights(ty)
+    total = np.zeros((len(tx), 4), np.float32)
+    for j, weight_y in enumerate(wy):
+        for i, weight_x in enumerate(wx):
+            texel = _texel(image, column0 + (first + i), row0 + (first + j), extension)
+            total += texel * (weight_x * weight_y)[:, None]
+    if image.dtype == np.uint8:
+        total *= np.float32(1.0 / 255.0)
+    return total
+
+
+def _sample(settings, u, v):
+    """RGBA float32 (n, 4) of the image at (u, v), both (n,)."""
+    image = settings["image"]
+    if image is None:
+        return np.broadcast_to(_MISSING, (len(u), 4))
+    rule = settings["interpolation"], settings["extension"]
+    if len(image.tiles) == 1 and (0, 0) in image.tiles and not settings["tiled"]:
+        value = _looked_up(image.tiles[0, 0], u, v, *rule)
+    else:
+        value = np.tile(_MISSING, (len(u), 1))
+        tile_x, tile_y = np.trunc(u).astype(np.int64), np.trunc(v).astype(np.int64)
+        for (i, j), texels in image.tiles.items():
+            here = (tile_x == i) & (tile_y == j)
+            if here.any():
+                value[here] = _looked_up(texels, u[here] - i, v[here] - j, *rule)
+    alpha = value[:, 3:]
+    if settings["unassociate"]:
+        divisor = np.where((alpha != 0.0) & (alpha != 1.0), alpha, 1.0)
+        value = np.concatenate([value[:, :3] / divisor, alpha], -1)
+    if image.encoded:
+        value = np.concatenate([srgb_decode(value[:, :3]), alpha], -1)
+    return value
+
+
+def _to_sphere(x, y, z):
+    size = np.sqrt(x * x + y * y + z * z)
+    safe = np.where(size > 0.0, size, 1.0)
+    u = np.where((x == 0.0) & (y == 0.0), 0.0, 0.5 - np.arctan2(x, y) / np.float32(2.0 * np.pi))
+    v = 1.0 - np.arccos(np.clip(z / safe, -1.0, 1.0)) / np.float32(np.pi)
+    return np.where(size > 0.0, u, 0.0), np.where(size > 0.0, v, 0.0)
+
+
+def _to_tube(x, y, z):
+    size = np.sqrt(x * x + y * y)
+    safe = np.where(size > 0.0, size, 1.0)
+    u = 0.5 - np.arctan2(x / safe, y / safe) / np.float32(2.0 * np.pi)
+    return np.where(size > 0.0, u, 0.0), np.where(size > 0.0, (z + 1.0) * 0.5, 0.0)
+
+
+def _box_weights(normal, blend):
+    """Weights of the projections along x, y and z, float32 (n, 3). normal: of the object"""
+    a = np.abs(normal)
+    a = a / np.maximum(a.sum(-1, keepdims=True), 1e-20)
+    x, y, z = parts(a)
+    limit = 0.5 * (1.0 + blend)
+    weights = np.zeros_like(a)
+    only = [
+        (x > limit * (x + y)) & (x > limit * (x + z)),
+        (y > limit * (x + y)) & (y > limit * (y + z)),
+        (z > limit * (x + z)) & (z > limit * (y + z)),
+    ]
+    left = ~(only[0] | only[1] | only[2])
+    for axis in range(3):
+        weights[only[axis], axis] = 1.0
+    if blend <= 0.0:
+        weights[left, 0] = 1.0
+        return weights
+    pairs = (
+        (z < (1.0 - limit) * (y + x), 0, 1),
+        (x < (1.0 - limit) * (y + z), 1, 2),
+        (y < (1.0 - limit) * (x + z), 0, 2),
+    )
+    for near, first, second in pairs:
+        near = near & left
+        share = a[near, first] / (a[near, first] + a[near, second])
+        share = clipped((share - 0.5 * (1.0 - blend)) / blend)
+        weights[near, first], weights[near, second] = share, 1.0 - share
+        left = left & ~near
+    weights[left] = ((2.0 - limit) * a[left] + (limit - 1.0)) / (2.0 * limit - 1.0)
+    return weights
+
+
+def _boxed(context, settings, co):
+    normal = context.normal_to_object(context.normal)
+    weights = _box_weights(normal, settings["projection_blend"])
+    x, y, z = parts(np.broadcast_to(co, (len(context), 3)))
+    places = (
+        (np.where(normal[:, 0] < 0.0, 1.0 - y, y), z),
+        (np.where(normal[:, 1] > 0.0, 1.0 - x, x), z),
+        (np.where(normal[:, 2] > 0.0, 1.0 - y, y), x),
+    )
+    total = np.zeros((len(context), 4), np.float32)
+    for axis, (u, v) in enumerate(places):
+        some = weights[:, axis] > 0.0
+        if some.any():
+            total[some] += weights[some, axis, None] * _sample(settings, u[some], v[some])
+    return total
+
+
+def image_texture(context, settings, inputs):
+    """settings: image (program.ImageTiles or None), interpolation, extension, projection,
+    projection_blend, tiled, unassociate."""
+    n = len(context)
+    co = inputs.get("Vector")
+    co = context.uv() if co is None else co
+    kind = settings["projection"]
+    if kind == "BOX":
+        value = _boxed(context, settings, co)
+    else:
+        x, y, z = (np.broadcast_to(a, (n,)) for a in parts(co))
+        if kind in ("SPHERE", "TUBE"):
+            to_plane = _to_sphere if kind == "SPHERE" else _to_tube
+            x, y = to_plane(x * 2.0 - 1.0, y * 2.0 - 1.0, z * 2.0 - 1.0)
+        value = _sample(settings, x, y)
+    return {"Color": value[:, :3], "Alpha": value[:, 3]}
+
+
+def environment_texture(context, settings, inputs):
+    """An environment image on a surface, looked up by a direction."""
+    co = inputs.get("Vector")
+    co = context.position if co is None else co
+    x, y, z = (np.broadcast_to(a, (len(context),)) for a in parts(co))
+    size = np.sqrt(x * x + y * y + z * z)
+    size = np.where(size > 0.0, size, 1.0)
+    u = 0.5 - np.arctan2(y, x) / np.float32(2.0 * np.pi)
+    v = np.arcsin(np.clip(z / size, -1.0, 1.0)) / np.float32(np.pi) + 0.5
+    value = _sample(settings, u, v)
+    return {"Color": value[:, :3]}
+
+
+FUNCTIONS = {
+    "ShaderNodeTexImage": image_texture,
+    "ShaderNodeTexEnvironment": environment_texture,
+}

@@ -1,0 +1,108 @@
+"""Nodes that turn the normal, and those that depend on the angle to it.
+
+A function takes the context, the node's settings and its inputs (program.Op), and returns its
+outputs by name. Each reproduces the Cycles node of its name.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .values import as_number, as_vector, column, dot, normalized, parts
+
+
+def normal_map(context, settings, inputs):
+    """settings: space, table (name of the tangents at the corners, width 4: sign last)"""
+    n = len(context)
+    color = 2.0 * as_vector(inputs["Color"], n) - 1.0
+    strength = np.maximum(as_number(inputs["Strength"], n), 0.0)
+    back = context.backfacing[:, None] > 0.0
+    front = np.where(back, -context.normal, context.normal)
+    if settings["space"] == "TANGENT":
+        table = context.attribute(settings["table"])
+        if table is None:
+            return {"Normal": context.normal}
+        tangent = context.vector_to_world(table[:, :3])
+        across = column(np.sign(table[:, 3])) * np.cross(front, tangent)
+        across = np.where(context.surface.mirrored[context.object][:, None], -across, across)
+        x, y, z = (column(a) for a in parts(color))
+        turned = normalized(x * tangent + y * across + z * front)
+        turned = np.where((table[:, :3] == 0.0).all(-1, keepdims=True), front, turned)
+    else:
+        if settings["space"].startswith("BLENDER"):
+            color = color * np.float32([1.0, -1.0, -1.0])
+        in_object = settings["space"] in ("OBJECT", "BLENDER_OBJECT")
+        turned = context.normal_to_world(color) if in_object else normalized(color)
+    turned = np.where(back, -turned, turned)
+    stretched = normalized(context.normal + (turned - context.normal) * column(strength))
+    turned = np.where(column(strength) == 1.0, turned, stretched)
+    return {"Normal": _or(turned, context.normal)}
+
+
+def _or(normal, otherwise):
+    return np.where((normal == 0.0).all(-1, keepdims=True), otherwise, normal)
+
+
+def bump(context, settings, inputs):
+    """settings: invert; heights is the sub-program's value (here, along x, along y)."""
+    n = len(context)
+    here, along_x, along_y, (step_x, step_y) = settings["heights"]
+    width = as_number(inputs.get("Filter Width", np.float32(0.1)), n)
+    normal = as_vector(inputs.get("Normal", context.normal), n)
+    cross_x, cross_y = np.cross(step_y, normal), np.cross(normal, step_x)
+    determinant = dot(step_x, cross_x)
+    slope = column(along_x - here) * cross_x + column(along_y - here) * cross_y
+    distance = as_number(inputs["Distance"], n) * (-1.0 if settings["invert"] else 1.0)
+    turned = normalized(
+        column(np.abs(determinant)) * normal - column(distance * np.sign(determinant)) * slope
+    )
+    strength = column(np.maximum(as_number(inputs["Strength"], n), 0.0))
+    turned = normalized(strength * _or(turned, normal) + (1.0 - strength) * normal)
+    return {"Normal": np.where(column(width) > 0.0, turned, normal)}
+
+
+def _dielectric(cosine, eta):
+    """Fresnel's reflectance of an index eta, 1 where all is reflected."""
+    c = np.abs(cosine)
+    g = eta * eta - 1.0 + c * c
+    root = np.sqrt(np.maximum(g, 0.0))
+    a = (root - c) / (root + c)
+    b = (c * (root + c) - 1.0) / (c * (root - c) + 1.0)
+    return np.where(g > 0.0, 0.5 * a * a * (1.0 + b * b), 1.0)
+
+
+def fresnel(context, settings, inputs):
+    normal = inputs.get("Normal", context.normal)
+    eta = np.maximum(inputs["IOR"], np.float32(1e-5))
+    eta = np.where(context.backfacing > 0.0, 1.0 / eta, eta)
+    return {"Fac": _dielectric(dot(context.wo, normal), eta)}
+
+
+def layer_weight(context, settings, inputs):
+    normal, blend = inputs.get("Normal", context.normal), inputs["Blend"]
+    cosine = dot(context.wo, normal)
+    eta = np.maximum(1.0 - blend, np.float32(1e-5))
+    eta = np.where(context.backfacing > 0.0, eta, 1.0 / eta)
+    facing = np.abs(cosine)
+    limited = np.clip(blend, 0.0, np.float32(1.0 - 1e-5))
+    power = np.where(limited < 0.5, 2.0 * limited, 0.5 / (1.0 - limited))
+    bent = np.power(facing, power)
+    facing = np.where(limited != 0.5, bent, facing)
+    return {"Fresnel": _dielectric(cosine, eta), "Facing": 1.0 - facing}
+
+
+def normal(context, settings, inputs):
+    """settings: direction float32 (3,), unit"""
+    return {
+        "Normal": settings["direction"],
+        "Dot": dot(settings["direction"], normalized(inputs["Normal"])),
+    }
+
+
+FUNCTIONS = {
+    "ShaderNodeNormalMap": normal_map,
+    "ShaderNodeBump": bump,
+    "ShaderNodeFresnel": fresnel,
+    "ShaderNodeLayerWeight": layer_weight,
+    "ShaderNodeNormal": normal,
+}

@@ -1,0 +1,74 @@
+"""Small arithmetic on the values of nodes: numbers (n,) or (), vectors and colours (n, 3) or (3,).
+
+All is float32: a Python float beside a float32 array keeps it so.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
+
+
+def column(number) -> np.ndarray:
+    """A number that multiplies vectors."""
+    return np.asarray(number, np.float32)[..., None]
+
+
+def vector(x, y, z) -> np.ndarray:
+    """Three numbers as one vector."""
+    return np.stack(np.broadcast_arrays(*(np.asarray(a, np.float32) for a in (x, y, z))), -1)
+
+
+def parts(value) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The three numbers of a vector."""
+    return value[..., 0], value[..., 1], value[..., 2]
+
+
+def dot(a, b) -> np.ndarray:
+    return (a * b).sum(-1)
+
+
+def length(a) -> np.ndarray:
+    return np.sqrt(dot(a, a))
+
+
+def normalized(a) -> np.ndarray:
+    """Unit vectors; zero stays zero."""
+    size = length(a)[..., None]
+    return np.divide(a, size, out=np.zeros_like(a), where=size > 0.0)
+
+
+def divided(a, b) -> np.ndarray:
+    """a / b, 0 where b is 0."""
+    a, b = np.broadcast_arrays(np.asarray(a, np.float32), np.asarray(b, np.float32))
+    return np.divide(a, b, out=np.zeros_like(a), where=b != 0.0)
+
+
+def clipped(a) -> np.ndarray:
+    return np.clip(a, 0.0, 1.0)
+
+
+def mixed(a, b, t) -> np.ndarray:
+    return a + (b - a) * t
+
+
+def convert(value, source: str, target: str) -> np.ndarray:
+    """A value as a socket of another type takes it: NUMBER, VECTOR or COLOR."""
+    if source == target or {source, target} == {"VECTOR", "COLOR"}:
+        return value
+    if target != "NUMBER":
+        return np.repeat(np.asarray(value, np.float32)[..., None], 3, -1)
+    if source == "COLOR":
+        return value @ LUMINANCE
+    return value.mean(-1, dtype=np.float32)
+
+
+def as_number(value, n: int) -> np.ndarray:
+    """float32 (n,), C-contiguous."""
+    return np.ascontiguousarray(np.broadcast_to(np.asarray(value, np.float32), (n,)))
+
+
+def as_vector(value, n: int) -> np.ndarray:
+    """float32 (n, 3), C-contiguous."""
+    return np.ascontiguousarray(np.broadcast_to(np.asarray(value, np.float32), (n, 3)))

@@ -1,0 +1,110 @@
+"""Materials that vary over the surface, as plain data: what to compute at a shading point.
+
+A Program is a list of node operations in the order of evaluation, compiled from a shader tree by
+the exporter and evaluated over the points of a tile by core/nodes. Values are float32: numbers (n,)
+or (), vectors and colours (n, 3) or (3,).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Ref(NamedTuple):
+    """The output of an earlier operation."""
+
+    op: int
+    output: str
+
+
+Value = Ref | np.ndarray  # a constant: float32 () or (3,)
+
+
+class Op(NamedTuple):
+    """One node.
+
+    kind: key of core.nodes.FUNCTIONS, Blender's bl_idname where the node has one
+    inputs: identifier of a socket -> its value; a socket that takes the point's own normal or
+        coordinates where nothing is linked is not there
+    settings: the node's properties, images and curves
+    """
+
+    kind: str
+    inputs: Mapping[str, Value]
+    settings: Mapping[str, object]
+
+
+class Closure(NamedTuple):
+    """One BSDF of a mixture.
+
+    model, distribution: as in MaterialParams; weight: a colour, the factor of all it reflects
+    params: column of MaterialParams -> its value; a missing one is that of the material's own row
+    normal: a vector; None: the surface's own
+    """
+
+    model: int
+    distribution: int
+    weight: Value
+    params: Mapping[str, Value]
+    normal: Value | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Program:
+    """The surface of one material.
+
+    closures: at least one; of several, a point shows the one of the greatest weight
+    emission: a colour, radiance; None: it does not glow
+    """
+
+    ops: tuple[Op, ...]
+    closures: tuple[Closure, ...]
+    emission: Value | None = None
+
+
+class ImageTiles(NamedTuple):
+    """An image, or the tiles of one.
+
+    tiles: (column, row) of the tile -> float32 or uint8 (h, w, 4), scene-linear or sRGB, row 0 at
+        the bottom; an image without tiles is tile (0, 0)
+    encoded: whether to decode sRGB after interpolation
+    """
+
+    tiles: Mapping[tuple[int, int], np.ndarray]
+    encoded: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SurfaceData:
+    """What programs ask of the scene's surfaces beside their shape.
+
+    row: int32 (m,), for each triangle of the scene its row in the tables; -1 = it has none
+    tables: name -> float32 (rows, 3, width), values at the corners; instances share rows
+    object_to_world: float64 (n, 4, 4); mirrored: bool (n,), the winding was turned round
+    color: float32 (n, 4); random, pass_index: float32 (n,), as the Object Info node gives them
+    """
+
+    row: np.ndarray
+    tables: Mapping[str, np.ndarray] = field(default_factory=dict)
+    object_to_world: np.ndarray
+    mirrored: np.ndarray
+    color: np.ndarray
+    random: np.ndarray
+    pass_index: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Shaders:
+    """The programs of a scene.
+
+    programs: one a material; None where MaterialParams' row says all
+    material_pass_index: float32, one a material
+    """
+
+    programs: tuple[Program | None, ...]
+    surface: SurfaceData
+    material_pass_index: np.ndarray

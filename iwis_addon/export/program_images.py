@@ -1,0 +1,121 @@
+"""Images of Image Texture nodes as core.program.ImageTiles: bytes where the file has bytes.
+
+Cycles multiplies colour by alpha when it loads an image, interpolates, and divides again where the
+node's Alpha is used. Texels in sRGB are decoded after that.
+"""
+
+from __future__ import annotations
+
+import os
+
+import bpy
+import numpy as np
+
+from ...core.program import ImageTiles
+from .image import ImageError, pixels_of, read_texels
+
+_FIRST_TILE = 1001
+
+
+class ImageStore:
+    """Each image once, whatever number of nodes and materials show it.
+
+    cache: TexelCache of the job, or None
+    """
+
+    def __init__(self, cache=None):
+        self._cache = cache
+        self._read: dict[tuple, ImageTiles] = {}
+
+    def tiles(self, image, image_user) -> ImageTiles:
+        """Raises ImageError with what to do."""
+        frame = 0 if image_user is None else image_user.frame_current
+        key = image.session_uid, frame if image.source in ("SEQUENCE", "MOVIE") else 0
+        if key not in self._read:
+            make = _read_tiles if image.source == "TILED" else _read_image
+            if self._cache is None:
+                self._read[key] = make(image, image_user)
+            else:
+                self._read[key] = self._cache.tiles(image, image_user, make)
+        return self._read[key]
+
+
+def image_settings(builder, node) -> dict:
+    """The settings of core.nodes.images.image_texture."""
+    image, warn = node.image, builder.reader.warn
+    tiles = None
+    try:
+        if image is None:
+            raise ImageError("no image is chosen: choose one in the node, or remove the node")
+        if image.source == "MOVIE":
+            warn(node, f'image "{image.name}" is a movie: only the frame in Blender is used')
+        tiles = builder.images.tiles(image, node.image_user)
+    except ImageError as error:
+        warn(node, f"{error}. Pink instead, as in Cycles")
+    straight = image is not None and image.alpha_mode in ("STRAIGHT", "PREMUL")
+    data = image is not None and image.colorspace_settings.is_data
+    return {
+        "image": tiles,
+        "interpolation": node.interpolation,
+        "extension": node.extension,
+        "projection": node.projection,
+        "projection_blend": node.projection_blend,
+        "tiled": image is not None and image.source == "TILED",
+        "unassociate": straight and not data and node.outputs["Alpha"].is_linked,
+    }
+
+
+def _read_image(image, image_user) -> ImageTiles:
+    rgba, encoded = _read_rgba(image, image_user)
+    return ImageTiles({(0, 0): rgba}, encoded)
+
+
+def _read_tiles(image, image_user) -> ImageTiles:
+    """The tiles of a UDIM image, each from its own file."""
+    if image.packed_files:
+        raise ImageError(f"image {image.name!r} has packed tiles, which cannot be read: unpack it")
+    pattern = bpy.path.abspath(image.filepath_raw, library=image.library)
+    tiles, encoded = {}, False
+    for tile in image.tiles:
+        number = tile.number - _FIRST_TILE
+        path = pattern.replace("<UDIM>", str(tile.number))
+        path = path.replace("<UVTILE>", f"u{number % 10 + 1}_v{number // 10 + 1}")
+        if not os.path.exists(path):
+            raise ImageError(f"image {image.name!r}: there is no file {path} of tile {tile.number}")
+        loaded = bpy.data.images.load(path)
+        try:
+            loaded.colorspace_settings.name = image.colorspace_settings.name
+            loaded.alpha_mode = image.alpha_mode
+            tiles[number % 10, number // 10], encoded = _read_rgba(loaded, None)
+        finally:
+            bpy.data.images.remove(loaded)
+    return ImageTiles(tiles, encoded)
+
+
+def _read_rgba(image, image_user) -> tuple[np.ndarray, bool]:
+    """(uint8 or float32 (h, w, 4), whether it is sRGB still)."""
+    alpha = _alpha_of(image)
+    texels = read_texels(image, image_user)
+    rgb, encoded = texels.rgb, texels.srgb_interpolation
+    if alpha is None or alpha.shape != rgb.shape[:2]:
+        alpha = np.ones(rgb.shape[:2], np.float32)
+    if encoded:
+        rgb = _srgb_encoded(rgb)
+    rgba = np.concatenate([rgb, alpha[..., None]], -1).astype(np.float32)
+    of_bytes = not image.is_float and (encoded or image.colorspace_settings.is_data)
+    if of_bytes:
+        return np.rint(np.clip(rgba, 0.0, 1.0) * 255.0).astype(np.uint8), encoded
+    return rgba, encoded
+
+
+def _alpha_of(image):
+    """float32 (h, w), or None where it counts as 1."""
+    if image.alpha_mode == "NONE" or image.source == "SEQUENCE":
+        return None
+    return pixels_of(image)[..., 3]
+
+
+def _srgb_encoded(linear: np.ndarray) -> np.ndarray:
+    """sRGB of linear values: what was decoded before."""
+    curve = 1.055 * np.maximum(linear, 0.0) ** np.float32(1.0 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, linear * np.float32(12.92), curve)

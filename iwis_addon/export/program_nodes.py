@@ -1,0 +1,188 @@
+"""Which value nodes there are, what of their properties counts, and those that need more than that.
+
+A handler (builder, node, groups) returns the row of the operation that it has added, a dictionary
+of constant outputs by identifier, or None where the node cannot be followed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .program_images import image_settings
+
+# bl_idname -> properties; the operation has the same name (core/nodes).
+SETTINGS = {
+    "ShaderNodeMath": ("operation", "use_clamp"),
+    "ShaderNodeVectorMath": ("operation",),
+    "ShaderNodeClamp": ("clamp_type",),
+    "ShaderNodeMapRange": ("data_type", "interpolation_type", "clamp"),
+    "ShaderNodeCombineXYZ": (),
+    "ShaderNodeSeparateXYZ": (),
+    "ShaderNodeMix": (
+        "data_type",
+        "blend_type",
+        "factor_mode",
+        "clamp_factor",
+        "clamp_result",
+    ),
+    "ShaderNodeMixRGB": ("blend_type", "use_clamp"),
+    "ShaderNodeHueSaturation": (),
+    "ShaderNodeBrightContrast": (),
+    "ShaderNodeGamma": (),
+    "ShaderNodeInvert": (),
+    "ShaderNodeRGBToBW": (),
+    "ShaderNodeSeparateColor": ("mode",),
+    "ShaderNodeCombineColor": ("mode",),
+    "ShaderNodeMapping": ("vector_type",),
+    "ShaderNodeVectorRotate": ("rotation_type", "invert"),
+    "ShaderNodeVectorTransform": ("vector_type", "convert_from", "convert_to"),
+    "ShaderNodeNewGeometry": (),
+    "ShaderNodeObjectInfo": (),
+    "ShaderNodeCameraData": (),
+    "ShaderNodeLightPath": (),
+    "ShaderNodeBump": ("invert",),
+    "ShaderNodeFresnel": (),
+    "ShaderNodeLayerWeight": (),
+    "ShaderNodeTexNoise": ("noise_dimensions", "noise_type", "normalize"),
+    "ShaderNodeTexVoronoi": ("voronoi_dimensions", "feature", "distance", "normalize"),
+    "ShaderNodeTexChecker": (),
+    "ShaderNodeTexGradient": ("gradient_type",),
+    "ShaderNodeTexWave": ("wave_type", "bands_direction", "rings_direction", "wave_profile"),
+    "ShaderNodeTexMagic": ("turbulence_depth",),
+    "ShaderNodeTexBrick": ("offset", "offset_frequency", "squash", "squash_frequency"),
+    "ShaderNodeTexWhiteNoise": ("noise_dimensions",),
+}
+# Nodes whose outputs depend on nothing but their inputs.
+PURE = {
+    "ShaderNodeMath",
+    "ShaderNodeVectorMath",
+    "ShaderNodeClamp",
+    "ShaderNodeMapRange",
+    "ShaderNodeCombineXYZ",
+    "ShaderNodeSeparateXYZ",
+    "ShaderNodeMix",
+    "ShaderNodeMixRGB",
+    "ShaderNodeHueSaturation",
+    "ShaderNodeBrightContrast",
+    "ShaderNodeGamma",
+    "ShaderNodeInvert",
+    "ShaderNodeRGBToBW",
+    "ShaderNodeSeparateColor",
+    "ShaderNodeCombineColor",
+    "ShaderNodeMapping",
+    "ShaderNodeVectorRotate",
+}
+_TABLE = 256  # steps of a ramp or curve, as in Cycles
+
+
+def _texture_coordinate(builder, node, groups):
+    settings = {"outputs": set()}
+    if node.from_instancer:
+        builder.reader.warn(node, "From Instancer is not supported: the object's own coordinates")
+    if node.object is not None:
+        settings["world_to_object"] = np.array(node.object.matrix_world.inverted_safe())
+    return builder.add_node(node, groups, "ShaderNodeTexCoord", {}, settings)
+
+
+def _uv_map(builder, node, groups):
+    if node.from_instancer:
+        builder.reader.warn(node, "From Instancer is not supported: the object's own UV map")
+    builder.requests.add(f"uv:{node.uv_map}")
+    return builder.add_node(node, groups, "ShaderNodeUVMap", {}, {"uv_map": node.uv_map})
+
+
+def _color_attribute(builder, node, groups):
+    table = f"color:{node.layer_name}"
+    builder.requests.add(table)
+    return builder.add_node(node, groups, "attribute", {}, {"table": table})
+
+
+def _attribute(builder, node, groups):
+    kind, name = node.attribute_type, node.attribute_name
+    if kind == "GEOMETRY":
+        table = f"attribute:{name}"
+        builder.requests.add(table)
+        return builder.add_node(node, groups, "attribute", {}, {"table": table})
+    if kind == "OBJECT":
+        builder.requests.add(f"object:{name}")
+        return builder.add_node(node, groups, "object_attribute", {}, {"table": f"object:{name}"})
+    return None
+
+
+def _normal_map(builder, node, groups):
+    settings = {"space": node.space}
+    if node.space == "TANGENT":
+        settings["table"] = f"tangent:{node.uv_map}"
+        builder.requests.add(settings["table"])
+    inputs = builder.inputs(node, groups)
+    return builder.add_node(node, groups, "ShaderNodeNormalMap", inputs, settings)
+
+
+def _normal(builder, node, groups):
+    direction = np.array(node.outputs[0].default_value[:3], np.float32)
+    settings = {"direction": direction / max(float(np.linalg.norm(direction)), 1e-20)}
+    return builder.add_node(
+        node, groups, "ShaderNodeNormal", builder.inputs(node, groups), settings
+    )
+
+
+def _color_ramp(builder, node, groups):
+    ramp = node.color_ramp
+    table = np.array([ramp.evaluate(k / (_TABLE - 1)) for k in range(_TABLE)], np.float32)
+    settings = {"table": table, "stepped": ramp.interpolation == "CONSTANT"}
+    return builder.add_node(
+        node, groups, "ShaderNodeValToRGB", builder.inputs(node, groups), settings
+    )
+
+
+def _curve_settings(mapping, n_curves):
+    """The curves at even steps, and where they begin and end."""
+    mapping.initialize()
+    curves = list(mapping.curves)[:n_curves]
+    low = min([0.0] + [point.location[0] for curve in curves for point in curve.points])
+    high = max([1.0] + [point.location[0] for curve in curves for point in curve.points])
+    steps = [low + (high - low) * k / (_TABLE - 1) for k in range(_TABLE)]
+    values = [[mapping.evaluate(curve, x) for x in steps] for curve in curves]
+    if n_curves == 4:  # the last one is for all three, and comes first
+        values = [[mapping.evaluate(curve, x) for x in values[3]] for curve in curves[:3]]
+    table = np.array(values, np.float32).T
+    extend = mapping.extend == "EXTRAPOLATED"
+    return {
+        "table": np.ascontiguousarray(table[:, 0] if n_curves == 1 else table),
+        "low": np.float32(low),
+        "high": np.float32(high),
+        "extend": extend,
+    }
+
+
+def _curves(n_curves):
+    def handler(builder, node, groups):
+        settings = _curve_settings(node.mapping, n_curves)
+        return builder.add_node(
+            node, groups, node.bl_idname, builder.inputs(node, groups), settings
+        )
+
+    return handler
+
+
+def _image_texture(builder, node, groups):
+    settings = image_settings(builder, node)
+    inputs = builder.inputs(node, groups)
+    if "Vector" not in inputs:
+        builder.requests.add("uv:")
+    return builder.add_node(node, groups, node.bl_idname, inputs, settings)
+
+
+HANDLERS = {
+    "ShaderNodeTexCoord": _texture_coordinate,
+    "ShaderNodeUVMap": _uv_map,
+    "ShaderNodeVertexColor": _color_attribute,
+    "ShaderNodeAttribute": _attribute,
+    "ShaderNodeNormalMap": _normal_map,
+    "ShaderNodeNormal": _normal,
+    "ShaderNodeValToRGB": _color_ramp,
+    "ShaderNodeRGBCurve": _curves(4),
+    "ShaderNodeVectorCurve": _curves(3),
+    "ShaderNodeFloatCurve": _curves(1),
+    "ShaderNodeTexImage": _image_texture,
+}

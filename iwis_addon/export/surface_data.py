@@ -1,0 +1,237 @@
+"""What programs ask of meshes and objects: UV maps, colours, generated coordinates, tangents.
+
+A table holds the values at the corners of the triangles of each mesh that is asked, once however
+many instances it has; each triangle of the scene knows its row.
+
+    uv:NAME         a UV map; "uv:" is the active one     color:NAME   a colour attribute, likewise
+    generated       Blender's generated coordinates       tangent:NAME a UV map's tangents, and sign
+    attribute:NAME  any attribute                         object:NAME  a property of the object
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...core.program import SurfaceData
+from ...core.scene import TriangleMesh
+from .instances import Inventory
+
+_READ = {
+    "FLOAT": ("value", 1, np.float32),
+    "INT": ("value", 1, np.int32),
+    "INT8": ("value", 1, np.int32),
+    "BOOLEAN": ("value", 1, bool),
+    "FLOAT2": ("vector", 2, np.float32),
+    "FLOAT_VECTOR": ("vector", 3, np.float32),
+    "FLOAT_COLOR": ("color", 4, np.float32),
+    "BYTE_COLOR": ("color", 4, np.float32),
+}
+
+
+def surface_data(
+    inventory: Inventory,
+    mesh: TriangleMesh,
+    kept: tuple[np.ndarray, np.ndarray] | None,
+    requests: tuple[frozenset[str], ...],
+    warnings: list[str],
+) -> SurfaceData:
+    """The tables of all that the materials of the scene ask for.
+
+    kept: of MeshExport
+    requests: of each material, rows as Inventory.materials
+    """
+    instances = inventory.instances
+    wanted = [frozenset().union(*(requests[row] for row in i.slots)) for i in instances]
+    names = sorted(frozenset().union(*wanted)) if wanted else []
+    of_part: dict[int, set[str]] = {}
+    for instance, some in zip(instances, wanted, strict=True):
+        if some:
+            of_part.setdefault(instance.part, set()).update(some)
+    first, tables = _tables(inventory, of_part, [n for n in names if not n.startswith("object:")])
+    objects = [n for n in names if n.startswith("object:")]
+    tables |= {name: _object_values(inventory, name.partition(":")[2]) for name in objects}
+    matrices = np.array([i.object_to_world for i in instances]).reshape(-1, 4, 4)
+    return SurfaceData(
+        row=_rows(inventory, mesh, kept, first),
+        tables=tables,
+        object_to_world=matrices,
+        mirrored=np.linalg.det(matrices[:, :3, :3]) < 0.0,
+        color=np.array([look.color for look in inventory.looks], np.float32).reshape(-1, 4),
+        random=np.array([look.random for look in inventory.looks], np.float32),
+        pass_index=np.array([i.pass_index for i in instances], np.float32),
+    )
+
+
+def _rows(inventory, mesh, kept, first) -> np.ndarray:
+    """int32 (m,): the row in the tables of each triangle of the scene, -1 where it has none."""
+    if not first:
+        return np.full(len(mesh.triangles), -1, np.int32)
+    sizes = np.array([len(inventory.parts[i.part].triangles) for i in inventory.instances])
+    objects = mesh.object_index
+    if kept is not None:  # rows are counted with the triangles that were left out
+        kept, objects = kept
+    start = np.full(len(sizes), len(objects), np.int64)
+    np.minimum.at(start, objects, np.arange(len(objects)))
+    begin = np.array([first.get(i.part, -1) for i in inventory.instances])
+    local = np.arange(len(objects)) - start[objects]
+    rows = np.where(begin[objects] < 0, -1, begin[objects] + local).astype(np.int32)
+    return rows if kept is None else rows[kept]
+
+
+def _with_lost_objects(objects, places, sizes, n) -> np.ndarray:
+    """The same where some objects have lost all their triangles: rows of theirs do not matter."""
+    filled = np.zeros(n, np.int32)
+    position = 0
+    known = objects[places]
+    k = 0
+    while k < len(places):
+        owner = known[k]
+        count = (
+            int(np.searchsorted(known[k:] != owner, True))
+            if (known[k:] != owner).any()
+            else len(known) - k
+        )
+        begin = max(position, places[k + count - 1] + 1 - sizes[owner])
+        filled[begin : begin + sizes[owner]] = owner
+        position = begin + sizes[owner]
+        k += count
+    return filled
+
+
+def _tables(inventory, of_part, names):
+    """(first row of each part, name -> float32 (rows, 3, width))."""
+    first, parts, row = {}, [], 0
+    for part, wanted in of_part.items():
+        first[part] = row
+        row += len(inventory.parts[part].triangles)
+        reader = _MeshReader(inventory.sources[part], len(inventory.parts[part].triangles))
+        parts.append({name: reader.read(name) for name in wanted})
+    tables = {}
+    for name in names:
+        values = [values.get(name) for values in parts]
+        widths = [v.shape[2] for v in values if v is not None]
+        if not widths:
+            continue
+        width = max(widths)
+        sizes = [len(inventory.parts[part].triangles) for part in of_part]
+        table = np.zeros((row, 3, width), np.float32)
+        begin = 0
+        for value, size in zip(values, sizes, strict=True):
+            if value is not None:
+                table[begin : begin + size, :, : value.shape[2]] = value
+                if width == 4 and value.shape[2] < 4:
+                    table[begin : begin + size, :, 3] = 1.0
+            begin += size
+        tables[name] = table
+    return first, tables
+
+
+def _object_values(inventory, name) -> np.ndarray:
+    values = np.zeros((len(inventory.looks), 4), np.float32)
+    values[:, 3] = 1.0
+    for row, look in enumerate(inventory.looks):
+        found = look.properties.get(name, 0.0)
+        values[row, :3] = found if np.ndim(found) == 0 else np.resize(found, 4)[:3]
+    return values
+
+
+class _MeshReader:
+    """Corner values of one evaluated bpy mesh (None: there is none), triangle by triangle."""
+
+    def __init__(self, mesh, n_triangles):
+        self._mesh, self._n = mesh, n_triangles
+        self._corners = None
+
+    def read(self, name) -> np.ndarray | None:
+        """float32 (m, 3, width), or None where the mesh has nothing of this name."""
+        if self._mesh is None:
+            return None
+        kind, _, rest = name.partition(":")
+        return getattr(self, f"_{kind}")(rest)
+
+    def _loops(self):
+        if self._corners is None:
+            mesh = self._mesh
+            if 3 * len(mesh.polygons) == len(mesh.loops):
+                self._corners = np.arange(len(mesh.loops), dtype=np.int32).reshape(-1, 3)
+            else:
+                self._corners = _get(mesh.loop_triangles, "loops", 3, np.int32)
+        return self._corners
+
+    def _of_points(self, values):
+        vertices = _get(self._mesh.attributes[".corner_vert"].data, "value", 1, np.int32)[:, 0]
+        return values[vertices[self._loops()]]
+
+    def _uv(self, name):
+        layers = self._mesh.uv_layers
+        layer = layers.get(name) if name else next((x for x in layers if x.active_render), None)
+        if layer is None:
+            return None
+        return _get(layer.uv, "vector", 2, np.float32)[self._loops()]
+
+    def _color(self, name):
+        colors = self._mesh.color_attributes
+        index = colors.render_color_index
+        if not name and not 0 <= index < len(colors):
+            return None
+        return self._attribute(name or colors[index].name)
+
+    def _attribute(self, name):
+        attribute = self._mesh.attributes.get(name)
+        if attribute is None or attribute.data_type not in _READ:
+            return None
+        values = _get(attribute.data, *_READ[attribute.data_type]).astype(np.float32)
+        if attribute.domain == "POINT":
+            return self._of_points(values)
+        if attribute.domain == "CORNER":
+            return values[self._loops()]
+        if attribute.domain == "FACE":
+            polygons = _get(self._mesh.loop_triangles, "polygon_index", 1, np.int32)[:, 0]
+            return np.repeat(values[polygons][:, None], 3, 1)
+        return None
+
+    def _generated(self, _):
+        mesh = self._mesh
+        values = _get(mesh.vertices, "undeformed_co", 3, np.float32)
+        size, location = np.array(mesh.texspace_size), np.array(mesh.texspace_location)
+        size = np.where(size != 0.0, size, 1.0)
+        return self._of_points(((values - location) / (2.0 * size) + 0.5).astype(np.float32))
+
+    def _tangent(self, name):
+        mesh = self._mesh
+        layers = mesh.uv_layers
+        layer = layers.get(name) if name else next((x for x in layers if x.active_render), None)
+        if layer is None:
+            return None
+        try:
+            mesh.calc_tangents(uvmap=layer.name)
+        except RuntimeError:  # a face has more than four corners
+            return self._flat_tangents(layer)
+        values = np.concatenate(
+            [
+                _get(mesh.loops, "tangent", 3, np.float32),
+                _get(mesh.loops, "bitangent_sign", 1, np.float32),
+            ],
+            -1,
+        )
+        mesh.free_tangents()
+        return values[self._loops()]
+
+    def _flat_tangents(self, layer):
+        """Of each triangle by itself."""
+        uv = _get(layer.uv, "vector", 2, np.float32)[self._loops()]
+        p = self._of_points(_get(self._mesh.vertices, "co", 3, np.float32))
+        (du1, dv1), (du2, dv2) = ((uv[:, k] - uv[:, 0]).T for k in (1, 2))
+        along = (p[:, 1] - p[:, 0]) * dv2[:, None] - (p[:, 2] - p[:, 0]) * dv1[:, None]
+        determinant = du1 * dv2 - du2 * dv1
+        along *= np.sign(determinant)[:, None]
+        size = np.linalg.norm(along, axis=1, keepdims=True)
+        along = np.divide(along, size, out=np.zeros_like(along), where=size > 0.0)
+        value = np.concatenate([along, np.sign(determinant)[:, None]], -1).astype(np.float32)
+        return np.repeat(value[:, None], 3, 1)
+
+
+def _get(collection, name, width, dtype):
+    values = np.empty(len(collection) * width, dtype)
+    collection.foreach_get(name, values)
+    return values.reshape(-1, width)

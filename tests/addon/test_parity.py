@@ -1,0 +1,15 @@
+"""A part of the parity suite (`make parity` runs all of it): one in ten of those without noise."""
+
+import pytest
+from parity.all_cases import ALL_CASES
+from parity.compare import run_case
+
+_CHOSEN = [case for case in ALL_CASES if not case.lit][::10]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", _CHOSEN, ids=lambda case: case.name)
+def test_case_agrees_with_cycles(scene, case, tmp_path):
+    """Difference and bias of at most 1 %: parity/compare.py says what is left out, and why."""
+    result = run_case(case, tmp_path)
+    assert result.agrees, (result.difference, result.bias, result.odd, result.warnings)

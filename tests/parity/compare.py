@@ -1,0 +1,92 @@
+"""One case, rendered by both: how much they differ beyond their own noise, and where.
+
+A case that only glows has no noise: one render each. A lit case is rendered twice by both, with
+other seeds: of the mean square of their difference the noise, known from the two, is taken off.
+"""
+
+from __future__ import annotations
+
+import functools
+import warnings as python_warnings
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from iwis.iwis_addon.job import RenderJob
+from support import cycles_render
+from support.cycles_render import render_cycles
+from support.iwis_render import render_iwis
+
+from .cases import Case
+from .scene import empty_scene
+
+LIMIT = 0.01
+# Pixels at an edge see, in Cycles, a ray within a hundredth of a pixel of the centre.
+EDGES = 0.01
+IWIS_SAMPLES, CYCLES_SAMPLES = 64, 128
+
+
+class Result(NamedTuple):
+    """difference: root mean square, of the mean; bias: of the means; odd: share of pixels that
+    differ by more than a tenth; warnings: what IWIS said; ours, cycles: pictures (h, w, 3)"""
+
+    difference: float
+    bias: float
+    odd: float
+    warnings: list[str]
+    ours: np.ndarray
+    cycles: np.ndarray
+
+    @property
+    def agrees(self) -> bool:
+        return self.difference <= LIMIT and abs(self.bias) <= LIMIT
+
+
+def run_case(case: Case, folder: Path) -> Result:
+    """Build, render and compare."""
+    scene, tree = empty_scene(case.lit)
+    case.build(scene, tree)
+    seeds = (0, 1) if case.lit else (0,)
+    ours = [_render_iwis(scene, seed, folder, case.lit) for seed in seeds]
+    warnings = RenderJob.get().records[-1].stats.warnings
+    theirs = [_render_cycles(scene, seed, folder, case.lit) for seed in seeds]
+    return _compared(np.array(ours), np.array(theirs), case, warnings)
+
+
+def _render_iwis(scene, seed, folder, lit):
+    scene.iwis.seed = seed
+    scene.iwis.pixel_filter = "CENTER"
+    scene.iwis.max_samples = IWIS_SAMPLES if lit else 1
+    scene.iwis.stop_rule = "FIXED"
+    layers = render_iwis(scene, folder)
+    return next(v for k, v in layers.items() if k.endswith("Combined"))
+
+
+def _render_cycles(scene, seed, folder, lit):
+    scene.cycles.seed = seed
+    samples = CYCLES_SAMPLES if lit else 1
+    use = cycles_render.use_cycles
+    try:
+        cycles_render.use_cycles = functools.partial(use, samples=samples)
+        with python_warnings.catch_warnings():
+            python_warnings.simplefilter("ignore")
+            return render_cycles(scene, folder, ())["Combined"]
+    finally:
+        cycles_render.use_cycles = use
+
+
+def _compared(ours, theirs, case, warnings) -> Result:
+    noise = sum(((pair[0] - pair[-1]) ** 2).mean() for pair in (ours, theirs)) / 4.0
+    a, b = ours.mean(0), theirs.mean(0)
+    if not case.with_alpha:
+        a, b = a[..., :3], b[..., :3]
+    scale = max(float(np.abs(b).mean()), 1e-6)
+    far = np.abs(a - b).max(-1) > 0.1 * scale + 5.0 * np.sqrt(noise)
+    # Texture edges and silhouettes between two pixels: a few whole pixels, not a tone.
+    inner = ~far if far.mean() <= EDGES else np.ones_like(far)
+    squared = max(float(((a - b) ** 2)[inner].mean() - noise), 0.0)
+    bias = float(a[inner].mean() - b[inner].mean()) / scale
+    return Result(
+        np.sqrt(squared) / scale, bias, float(far.mean()), warnings, a[..., :3], b[..., :3]
+    )

@@ -1,0 +1,150 @@
+"""Math, colour and vector nodes."""
+
+from .cases import shown
+
+_MATH = (
+    "ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD POWER LOGARITHM SQRT INVERSE_SQRT ABSOLUTE EXPONENT "
+    "MINIMUM MAXIMUM LESS_THAN GREATER_THAN SIGN COMPARE SMOOTH_MIN SMOOTH_MAX ROUND FLOOR CEIL "
+    "TRUNC FRACT MODULO FLOORED_MODULO WRAP SNAP PINGPONG SINE COSINE TANGENT ARCSINE ARCCOSINE "
+    "ARCTANGENT ARCTAN2 SINH COSH TANH RADIANS DEGREES"
+).split()
+_VECTOR_MATH = (
+    "ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD CROSS_PRODUCT PROJECT REFLECT REFRACT FACEFORWARD "
+    "DOT_PRODUCT DISTANCE LENGTH SCALE NORMALIZE ABSOLUTE MINIMUM MAXIMUM FLOOR CEIL FRACTION "
+    "MODULO WRAP SNAP SINE COSINE TANGENT"
+).split()
+_BLENDS = (
+    "MIX DARKEN MULTIPLY BURN LIGHTEN SCREEN DODGE ADD OVERLAY SOFT_LIGHT LINEAR_LIGHT DIFFERENCE "
+    "EXCLUSION SUBTRACT DIVIDE HUE SATURATION COLOR VALUE"
+).split()
+
+
+def _math(operation):
+    def make(tree):
+        inputs = {0: tree.axis("X", -1.5, 2.0), 1: tree.axis("Z", 0.3, 1.8), 2: 0.4}
+        return tree.made("ShaderNodeMath", 0, inputs, operation=operation)
+
+    return make
+
+
+def _vector_math(operation):
+    def make(tree):
+        output = operation in ("DOT_PRODUCT", "DISTANCE", "LENGTH")
+        inputs = {0: tree.color(-1.0, 2.0), 1: (0.7, 1.1, 0.4), 2: (0.2, 0.1, 0.3), "Scale": 0.6}
+        return tree.made("ShaderNodeVectorMath", int(output), inputs, operation=operation)
+
+    return make
+
+
+def _blend(blend):
+    def make(tree):
+        other = tree.made("ShaderNodeVectorMath", 0, {0: tree.color(), 1: (0.3, 0.2, 0.1)})
+        inputs = {"Factor_Float": 0.7, "A_Color": tree.color(), "B_Color": other}
+        node = tree.node("ShaderNodeMix", data_type="RGBA", blend_type=blend)
+        for key, value in inputs.items():
+            tree.link(value, next(s for s in node.inputs if s.identifier == key))
+        return next(s for s in node.outputs if s.identifier == "Result_Color")
+
+    return make
+
+
+for _operation in _MATH:
+    shown(f"Math {_operation}", _math(_operation))
+for _operation in _VECTOR_MATH:
+    shown(f"Vector Math {_operation}", _vector_math(_operation))
+for _operation in _BLENDS:
+    shown(f"Mix colour {_operation}", _blend(_operation))
+for _kind in ("LINEAR", "STEPPED", "SMOOTHSTEP", "SMOOTHERSTEP"):
+    for _clamp in (False, True):
+
+        def _map_range(tree, kind=_kind, clamp=_clamp):
+            inputs = {"Value": tree.axis("X"), "From Min": 0.2, "From Max": 0.8, "To Max": 2.0}
+            return tree.made("ShaderNodeMapRange", 0, inputs, interpolation_type=kind, clamp=clamp)
+
+        shown(f"Map Range {_kind}{' clamped' if _clamp else ''}", _map_range)
+for _kind in ("MINMAX", "RANGE"):
+    shown(
+        f"Clamp {_kind}",
+        lambda tree, kind=_kind: tree.made(
+            "ShaderNodeClamp",
+            0,
+            {"Value": tree.axis("X"), "Min": 0.7, "Max": 0.3},
+            clamp_type=kind,
+        ),
+    )
+for _mode in ("RGB", "HSV", "HSL"):
+    shown(
+        f"Separate Color {_mode}",
+        lambda tree, mode=_mode: tree.made(
+            "ShaderNodeCombineXYZ",
+            0,
+            dict(
+                enumerate(
+                    tree.made("ShaderNodeSeparateColor", k, {0: tree.color()}, mode=mode)
+                    for k in range(3)
+                )
+            ),
+        ),
+    )
+    shown(
+        f"Combine Color {_mode}",
+        lambda tree, mode=_mode: tree.made(
+            "ShaderNodeCombineColor",
+            0,
+            {k: tree.axis(a, 0.05, 0.95) for k, a in enumerate("XYZ")},
+            mode=mode,
+        ),
+    )
+shown(
+    "Hue/Saturation",
+    lambda t: t.made("ShaderNodeHueSaturation", 0, {0: 0.3, 1: 1.4, 2: 0.8, 3: 0.8, 4: t.color()}),
+)
+shown(
+    "Brightness/Contrast",
+    lambda t: t.made("ShaderNodeBrightContrast", 0, {0: t.color(), 1: 0.1, 2: 0.4}),
+)
+shown("Gamma", lambda t: t.made("ShaderNodeGamma", 0, {0: t.color(), 1: 2.2}))
+shown("Invert", lambda t: t.made("ShaderNodeInvert", 0, {0: 0.7, 1: t.color()}))
+shown("RGB to BW", lambda t: t.made("ShaderNodeRGBToBW", 0, {0: t.color()}))
+
+
+def _ramp(interpolation, color_mode="RGB"):
+    def make(tree):
+        node = tree.node("ShaderNodeValToRGB")
+        ramp = node.color_ramp
+        ramp.color_mode = color_mode
+        if color_mode == "RGB":
+            ramp.interpolation = interpolation
+        ramp.elements[0].color = (0.9, 0.1, 0.2, 1.0)
+        ramp.elements.new(0.4).color = (0.1, 0.8, 0.3, 0.5)
+        ramp.elements[-1].color = (0.2, 0.3, 0.9, 1.0)
+        tree.link(tree.axis("Z"), node.inputs[0])
+        return node.outputs[0]
+
+    return make
+
+
+for _kind in ("LINEAR", "EASE", "CARDINAL", "B_SPLINE", "CONSTANT"):
+    shown(f"Color Ramp {_kind}", _ramp(_kind))
+shown("Color Ramp HSV", _ramp("", "HSV"))
+
+
+def _curve(kind):
+    def make(tree):
+        node = tree.node(kind)
+        for number, curve in enumerate(node.mapping.curves):
+            curve.points.new(0.4, 0.7 - 0.1 * number)
+        node.mapping.update()
+        value = (
+            tree.axis("X", -0.2, 1.2) if kind == "ShaderNodeFloatCurve" else tree.color(-0.2, 1.2)
+        )
+        tree.link(value, node.inputs[1])
+        tree.link(0.8, node.inputs[0])
+        return node.outputs[0]
+
+    return make
+
+
+shown("RGB Curves", _curve("ShaderNodeRGBCurve"))
+shown("Float Curve", _curve("ShaderNodeFloatCurve"))
+shown("Vector Curves", _curve("ShaderNodeVectorCurve"))
