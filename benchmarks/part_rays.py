@@ -7,6 +7,7 @@ One thread; render and replays by turns, so that all see the same machine.
 
 from __future__ import annotations
 
+import contextlib
 import time
 from typing import NamedTuple
 
@@ -15,6 +16,7 @@ from embreex.mesh_construction import TriangleMesh as EmbreeMesh
 from embreex.rtcore_scene import EmbreeScene
 from run_iwis import IwisRun
 
+from iwis.core import center_tile
 from iwis.core.accel import Accel
 from iwis.core.render_cache import RenderCache
 
@@ -66,16 +68,29 @@ class _RecordingCache(RenderCache):
 def record(run: IwisRun, **changes) -> RecordingAccel:
     """The rays of a render with changed settings, on one thread.
 
+    Nothing is learnt from them (core/guide.py), for rays on their way to Python teach nothing.
     Raises RuntimeError if the render has traced others: then this program is out of date.
     """
     recording = IwisRun(run.scene, run.base)
     recording.cache = _RecordingCache()
-    _, stats = recording.render(threads=1, **changes)
+    with without_guides():
+        _, stats = recording.render(threads=1, **changes)
     recorder = recording.cache.recorder
     seen = sum(len(batch.origins) for batch in recorder.shadow)
     if seen != stats.shadow_rays:
         raise RuntimeError(f"{stats.shadow_rays} shadow rays, but {seen} through Accel.occluded()")
     return recorder
+
+
+@contextlib.contextmanager
+def without_guides():
+    """Renders learn nothing, so that they trace the rays that were recorded."""
+    before = center_tile.new_guides
+    center_tile.new_guides = lambda n: before(0)
+    try:
+        yield
+    finally:
+        center_tile.new_guides = before
 
 
 def replay(trace, batches: list[Recorded]) -> float:
@@ -105,7 +120,8 @@ def measure(bench) -> dict:
     bench.run.render(threads=1, **changes)
     rows = []
     for _ in range(REPEATS):
-        _, stats = bench.run.render(threads=1, **changes)
+        with without_guides():
+            _, stats = bench.run.render(threads=1, **changes)
         times = {name: replay(*way) for name, way in ways.items()}
         rows.append({"total": stats.cpu_seconds["sampling"]} | times)
     found = {name: float(np.median([row[name] for row in rows])) for name in rows[0]}

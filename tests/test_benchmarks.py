@@ -131,7 +131,8 @@ def test_every_estimator_of_the_core_makes_the_same_picture(run):
 def test_recorded_rays_are_those_of_the_render(run):
     """Every shadow ray of a render is recorded, in a form that embreex takes."""
     recorder = part_rays.record(run, stop_rule="FIXED", max_samples=8)
-    _, stats = run.render(stop_rule="FIXED", max_samples=8)
+    with part_rays.without_guides():
+        _, stats = run.render(stop_rule="FIXED", max_samples=8)
     assert sum(len(batch.origins) for batch in recorder.shadow) == stats.shadow_rays
     assert all(batch.directions.dtype == np.float32 for batch in recorder.shadow)
     lengths = np.concatenate([np.linalg.norm(b.directions, axis=1) for b in recorder.shadow])

@@ -6,6 +6,7 @@ depend on the point is computed at once, so that a constant stays a constant how
 
 from __future__ import annotations
 
+import bpy
 import numpy as np
 
 from ...core.nodes import FUNCTIONS
@@ -172,6 +173,8 @@ class ProgramBuilder:
             return HANDLERS[kind](self, node, groups)
         if kind not in SETTINGS:
             return None
+        if kind == "ShaderNodeTexVoronoi" and bpy.app.version < (5, 0):
+            self.reader.warn(node, "cells lie as in Cycles of Blender 5, not of this version")
         settings = {name: getattr(node, name) for name in SETTINGS[kind] if hasattr(node, name)}
         if kind not in PURE:
             settings["outputs"] = set()

@@ -82,7 +82,9 @@ def test_wrong_usage_exits_with_2(arguments, capsys):
 def test_one_frame_with_figures(blend, tmp_path):
     """The EXR has the passes, STATS.json what is documented, stdout says what was rendered."""
     out, stats = tmp_path / "a_{b}_##.exr", tmp_path / "new" / "stats.json"
-    options = ("--resolution", "20x16", "--set", "max_samples=6", "--set", "stop_rule=fixed")
+    options = ["--resolution", "20x16"]
+    for setting in ("max_samples=6", "stop_rule=fixed", "pixel_filter=center"):
+        options += ["--set", setting]
     done = iwis("render", blend, "-o", out, "-f", 3, "--stats", stats, *options)
     assert done.returncode == 0, done
     layers = read_exr_layers(tmp_path / "a_{b}_03.exr")

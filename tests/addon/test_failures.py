@@ -124,7 +124,7 @@ def test_registering_succeeds_without_packages(tmp_path):
         "import sys; sys.modules['numba'] = sys.modules['embreex'] = None\n"
         "import bpy, iwis; iwis.register()\n"
         "assert bpy.context.scene.iwis.max_samples > 0\n"
-        "from iwis.iwis_addon.panels import IWIS_PT_warnings\n"
+        "from iwis.iwis_addon.panels_status import IWIS_PT_warnings\n"
         "bpy.context.scene.render.engine = 'IWIS'\n"
         "assert IWIS_PT_warnings.poll(bpy.context)\n"
         "bpy.context.scene.render.engine = 'BLENDER_WORKBENCH'\n"

@@ -186,4 +186,7 @@ def test_sample_is_what_its_script_makes(opened, tmp_path, name):
         assert name_a == name_b
         # float32 of metres; sines may differ in the last bit between processors
         np.testing.assert_allclose(matrix_a, matrix_b, atol=1e-5, err_msg=name_a)
-        np.testing.assert_allclose(vertices_a, vertices_b, atol=1e-5, err_msg=name_a)
+        apart = np.abs(vertices_a - vertices_b).max(axis=1)
+        # Where the remesher decides by the last bit (one vertex in 20,000 on another processor).
+        assert (apart > 1e-5).sum() <= 1e-3 * len(apart), name_a
+        assert apart.max(initial=0.0) < 1e-3, name_a

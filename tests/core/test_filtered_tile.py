@@ -203,8 +203,8 @@ def test_the_empty_world_stops_early():
     """Nothing but a constant world: four passes, no sample."""
     scene = make_scene([], [], constant_world((0.2, 0.5, 1.0)), camera_above(16, 16))
     layers, stats = make_picture(scene, pixel_filter="BLACKMAN_HARRIS", max_samples=1 << 20)
-    # four passes with a frame of one pixel around the tile, and the centres
-    assert stats.primary_rays == 4 * 18 * 18 + 16 * 16 and stats.samples_total == 0
+    # Four passes of four tiles of 8 x 8 pixels and one around them; then the centres.
+    assert stats.primary_rays == 4 * 4 * 10 * 10 + 16 * 16 and stats.samples_total == 0
     expected = np.tile(np.float32([0.2, 0.5, 1.0, 1.0]), (16, 16, 1))
     np.testing.assert_allclose(layers["combined"], expected, rtol=1e-6)
 

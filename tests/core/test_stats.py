@@ -57,6 +57,7 @@ def test_to_dict_is_json_with_the_documented_keys():
         "cpu_seconds",
         "peak_memory_bytes",
         "cancelled",
+        "ended_by",
         "warnings",
         "tables",
     }
