@@ -22,7 +22,7 @@ from .lobes import (
     DIFFUSE_LOBE,
     MEASURED_LOBE,
 )
-from .merl import eval_merl
+from .merl import eval_measured_at
 from .microfacet import (
     FOUR,
     HALF,
@@ -132,7 +132,7 @@ def eval_at(at, wi_x, wi_y, wi_z):
     at: LobesAt; wi_x, wi_y, wi_z: float32
     """
     if at.kind & MEASURED_LOBE:
-        return _eval_measured(at, wi_x, wi_y, wi_z)
+        return eval_measured_at(at, wi_x, wi_y, wi_z)
     return eval_lobes_at(at, wi_x, wi_y, wi_z)
 
 
@@ -169,20 +169,6 @@ def eval_lobes_at(at, wi_x, wi_y, wi_z):
         gg += w[1] * _metal(f0[1], edge[1], s, t)
         gb += w[2] * _metal(f0[2], edge[2], s, t)
     return dr, dg, db, gr * scale, gg * scale, gb * scale
-
-
-@kernel
-def _eval_measured(at, wi_x, wi_y, wi_z):
-    """eval_at of a table: as much of it as the fitted Lambert lobe has counts as diffuse."""
-    cos_n = max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO)
-    scale = cos_n * INV_PI
-    dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale
-    if _dot(at.glossy_normal, wi_x, wi_y, wi_z) <= ZERO or cos_n <= ZERO:
-        return dr, dg, db, ZERO, ZERO, ZERO
-    r, g, b = eval_merl(at.tables, at.table, at.glossy_normal, at.wo, (wi_x, wi_y, wi_z))
-    r, g, b = r * at.tint[0] * cos_n, g * at.tint[1] * cos_n, b * at.tint[2] * cos_n
-    dr, dg, db = min(dr, r), min(dg, g), min(db, b)
-    return dr, dg, db, r - dr, g - dg, b - db
 
 
 @kernel(forceinline=True)

@@ -9,11 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .brdf import eval_at, eval_lobes_at, lobes_at, pdf_narrowest_at
+from .brdf import eval_lobes_at, lobes_at, pdf_narrowest_at
 from .environment import eval_map
 from .lanes import BLUE, DIFFUSE, DX, DY, DZ, GLOSSY, GREEN, LANES, OX, OY, OZ, PDF, RED, U, V
 from .light_rays import is_lifted
 from .lobes import DIFFUSE_LOBE, MEASURED_LOBE
+from .merl import eval_measured_at
 from .microfacet import INV_PI
 from .sequence import sample_number
 from .terminator import lift_share
@@ -115,7 +116,7 @@ def _weigh_measured(at, share, numbers, s, end):
     for k in range(s, end):
         wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
         pdf = share * pdf_narrowest_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
-        _write_light(numbers, k, pdf, eval_at(at, wx, wy, wz))
+        _write_light(numbers, k, pdf, eval_measured_at(at, wx, wy, wz))
 
 
 @kernel

@@ -25,9 +25,16 @@ def rgb_to_hsv(color):
 
 
 def hsv_to_rgb(hsv):
+    """As Cycles: a hue outside of 0 ... 1 is not wrapped, it falls into the last sector."""
     hue, saturation, value = parts(hsv)
-    wave = np.abs(np.mod(column(hue) * 6.0 + np.float32([0.0, 4.0, 2.0]), 6.0) - 3.0) - 1.0
-    return column(value) * (1.0 - column(saturation) * (1.0 - clipped(wave)))
+    hue = 6.0 * np.where(hue == 1.0, 0.0, hue)
+    sector = np.floor(hue)
+    f, v = hue - sector, value
+    p, q, t = (v * (1.0 - saturation * k) for k in (1.0, f, 1.0 - f))
+    is_in = [sector == k for k in range(5)]
+    red = np.select(is_in, [v, q, p, p, t], v)
+    green = np.select(is_in, [t, v, v, q, p], p)
+    return vector(red, green, np.select(is_in, [p, p, t, v, v], q))
 
 
 def rgb_to_hsl(color):
@@ -39,10 +46,12 @@ def rgb_to_hsl(color):
 
 
 def hsl_to_rgb(hsl):
+    """As Cycles, which does not wrap the hue either."""
     hue, saturation, lightness = parts(hsl)
-    wave = np.abs(np.mod(column(hue) * 6.0 + np.float32([0.0, 4.0, 2.0]), 6.0) - 3.0) - 1.0
+    bent = np.abs(column(hue) * 6.0 - np.float32([3.0, 2.0, 4.0]))
+    wave = clipped(bent * np.float32([1.0, -1.0, -1.0]) + np.float32([-1.0, 2.0, 2.0]))
     chroma = (1.0 - np.abs(2.0 * lightness - 1.0)) * saturation
-    return (clipped(wave) - 0.5) * column(chroma) + column(lightness)
+    return (wave - 0.5) * column(chroma) + column(lightness)
 
 
 def _overlay(t, a, b):

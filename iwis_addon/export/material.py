@@ -22,6 +22,7 @@ from .program_images import ImageStore
 from .shader_reader import ShaderReader, SurfaceParts, is_constant, is_plain_diffuse
 
 _WHITE, _NO_LIGHT = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+_LIGHTS_NOTHING = "its emission is seen by the camera, but lights nothing else"
 
 
 class MaterialExport(NamedTuple):
@@ -133,6 +134,8 @@ def _finished(parts: SurfaceParts, builder: ProgramBuilder, reader: NodeReader):
     emission = builder.added(parts.emission)
     closures = _merged(parts.closures, builder)
     row = _finite(_row_of(closures, emission, builder), reader)
+    if max(row.emission) > 0.0:
+        reader.warn(None, _LIGHTS_NOTHING)
     if _is_row(closures, emission):
         return row, None, ()
     closures = closures or [Closure(BLACK, GGX, np.ones(3, np.float32), {})]

@@ -1,73 +1,18 @@
-"""Materials of the open file: what each node means, and that nothing is dropped without a word."""
+"""Materials of the open file: what each node means."""
 
 import bpy
-import numpy as np
 import pytest
 
 from iwis.core.scene import BECKMANN, BLACK, DIFFUSE, GGX, GLOSSY, MULTI_GGX, PRINCIPLED
 from iwis.iwis_addon.export.material import export_materials, export_shaders
+from support.material_builds import Build, about, exported, only
 
-
-class Build:
-    """A new material and its nodes."""
-
-    def __init__(self, name="M"):
-        self.material = bpy.data.materials.new(name)
-        if bpy.app.version < (5, 0):
-            self.material.use_nodes = True
-        self.tree = self.material.node_tree
-        self.tree.nodes.clear()
-        self.output = self.node("ShaderNodeOutputMaterial", name="Out")
-
-    def node(self, kind, name=None, tree=None, links=(), **values):
-        """A node; values of inputs and properties by name, spaces as _; links: (input, output)."""
-        node = (tree or self.tree).nodes.new(kind)
-        node.name = name or node.name
-        for key, value in values.items():
-            socket = node.inputs.get(key.replace("_", " "))
-            if socket is None:
-                setattr(node, key, value)
-            else:
-                socket.default_value = value
-        for socket, output in links:
-            self.link(output, node.inputs[socket], tree)
-        return node
-
-    def link(self, output, socket, tree=None):
-        (tree or self.tree).links.new(output, socket)
-
-    def surface(self, node):
-        self.link(node.outputs[0], self.output.inputs["Surface"])
-        return self
+LIGHTS_NOTHING = ['material "M": its emission is seen by the camera, but lights nothing else']
 
 
 @pytest.fixture
 def build(scene):
     return Build()
-
-
-def exported(*materials):
-    """Rows of the table as dicts, and the warnings."""
-    warnings = []
-    params, index = export_materials([getattr(m, "material", m) for m in materials], warnings)
-    assert index.dtype == np.float32 and index.shape == (len(materials),)
-    for column in params:
-        assert column.flags.c_contiguous and len(column) == len(materials)
-    rows = [
-        {name: column[i].tolist() for name, column in params._asdict().items()}
-        for i in range(len(materials))
-    ]
-    return rows, warnings
-
-
-def only(build):
-    """The one row and its warnings."""
-    rows, warnings = exported(build)
-    return rows[0], warnings
-
-
-def about(values):
-    return pytest.approx(values, rel=1e-6)  # float32
 
 
 def test_default_cube():
@@ -88,19 +33,6 @@ def test_empty_slot_is_cycles_default(build):
     row, _ = only(build.surface(build.node(kind)))
     assert warnings == [] and rows[0] == row
     assert row["base_color"] == about([0.8] * 3)
-
-
-@pytest.mark.parametrize(
-    ("users", "where"),
-    [([], ""), (["A"], 'object "A", '), (["A", "B", "C"], 'object "A" and 2 more, ')],
-)
-def test_warnings_name_objects(build, users, where):
-    """The first object that has the material, and how many more."""
-    build.surface(build.node("ShaderNodeHoldout", "Hole"))
-    warnings = []
-    export_materials([build.material], warnings, [users])
-    assert len(warnings) == 1
-    assert warnings[0].startswith(f'{where}material "M", node "Hole": ')
 
 
 def test_no_materials(scene):
@@ -128,7 +60,7 @@ def test_principled_values(build):
         Emission_Strength=4.0,
     )
     row, warnings = only(build.surface(node))
-    assert warnings == []
+    assert warnings == LIGHTS_NOTHING
     assert row == {
         "model": PRINCIPLED,
         "distribution": GGX,
@@ -156,19 +88,20 @@ def test_glossy(build, kind, name, distribution):
 
 
 def test_emission_and_its_sums(build):
-    """Emission alone is black with light; Add and Mix with a surface keep both, exactly."""
+    """Emission alone is black with light; Add and Mix with a surface keep both, exactly; warned."""
     light = build.node("ShaderNodeEmission", Color=(1, 0.5, 0, 1), Strength=2.0)
     row, warnings = only(build.surface(light))
-    assert (row["model"], row["emission"], warnings) == (BLACK, [2.0, 1.0, 0.0], [])
+    assert (row["model"], row["emission"], warnings) == (BLACK, [2.0, 1.0, 0.0], LIGHTS_NOTHING)
     grey = build.node("ShaderNodeBsdfDiffuse", Color=(0.5, 0.5, 0.5, 1))
     links = [(0, light.outputs[0]), (1, grey.outputs[0])]
     row, warnings = only(build.surface(build.node("ShaderNodeAddShader", links=links)))
-    assert (row["model"], row["base_color"], warnings) == (DIFFUSE, [0.5] * 3, [])
+    assert (row["model"], row["base_color"], warnings) == (DIFFUSE, [0.5] * 3, LIGHTS_NOTHING)
     assert row["emission"] == [2.0, 1.0, 0.0]
     mix = build.node("ShaderNodeMixShader", links=[(1 + i, output) for i, output in links])
     mix.inputs[0].default_value = 0.25
     row, warnings = only(build.surface(mix))
-    assert (row["base_color"], row["emission"], warnings) == ([0.125] * 3, [1.5, 0.75, 0.0], [])
+    assert (row["base_color"], row["emission"]) == ([0.125] * 3, [1.5, 0.75, 0.0])
+    assert warnings == LIGHTS_NOTHING
 
 
 def test_mix_of_surfaces(build):
@@ -190,66 +123,6 @@ def test_mix_of_surfaces(build):
     assert row["model"] == GLOSSY and warnings == []
 
 
-OTHERS = {
-    "ShaderNodeBsdfTransparent": DIFFUSE,
-    "ShaderNodeBsdfTranslucent": DIFFUSE,
-    "ShaderNodeBsdfGlass": GLOSSY,
-    "ShaderNodeBsdfRefraction": GLOSSY,
-    "ShaderNodeSubsurfaceScattering": DIFFUSE,
-    "ShaderNodeBsdfSheen": DIFFUSE,
-    "ShaderNodeBsdfToon": DIFFUSE,
-    "ShaderNodeBsdfHair": DIFFUSE,
-    "ShaderNodeBsdfHairPrincipled": DIFFUSE,
-    "ShaderNodeBsdfRayPortal": DIFFUSE,
-    "ShaderNodeEeveeSpecular": DIFFUSE,
-    "ShaderNodeVolumeScatter": DIFFUSE,
-    "ShaderNodeHoldout": BLACK,
-}
-
-
-@pytest.mark.parametrize("kind", OTHERS)
-def test_unsupported_shader_is_never_black_without_a_word(build, kind):
-    """The nearest supported meaning, and one warning with the names of material and node."""
-    row, warnings = only(build.surface(build.node(kind, "Strange")))
-    assert row["model"] == OTHERS[kind]
-    assert max(row["base_color"]) > 0.0
-    assert len(warnings) == 1 and warnings[0].startswith('material "M", node "Strange": ')
-
-
-IGNORED = {
-    "Alpha": 0.5,
-    "Diffuse Roughness": 0.5,
-    "Subsurface Weight": 0.5,
-    "Anisotropic": 0.5,
-    "Transmission Weight": 1.0,
-    "Coat Weight": 0.5,
-    "Sheen Weight": 0.5,
-    "Thin Film Thickness": 100.0,
-}
-
-
-@pytest.mark.parametrize("name", IGNORED)
-def test_principled_input_left_out_is_told(build, name):
-    node = build.node("ShaderNodeBsdfPrincipled", "P")
-    node.inputs[name].default_value = IGNORED[name]
-    row, warnings = only(build.surface(node))
-    assert row["model"] == PRINCIPLED
-    assert len(warnings) == 1 and name in warnings[0] and 'node "P"' in warnings[0]
-
-
-@pytest.mark.parametrize(
-    ("kind", "values"),
-    [
-        ("ShaderNodeBsdfDiffuse", {"Roughness": 0.5}),
-        ("ShaderNodeBsdfGlossy", {"Anisotropy": 0.5}),
-        ("ShaderNodeBsdfGlossy", {"distribution": "ASHIKHMIN_SHIRLEY"}),
-        ("ShaderNodeBsdfMetallic", {"fresnel_type": "PHYSICAL_CONDUCTOR"}),
-    ],
-)
-def test_other_settings_left_out_are_told(build, kind, values):
-    assert len(only(build.surface(build.node(kind, **values)))[1]) == 1
-
-
 def test_metallic_node_is_a_principled_metal(build):
     """The Metallic BSDF with its F82 curve; indices give the same reflectance along the normal."""
     node = build.node(
@@ -258,16 +131,6 @@ def test_metallic_node_is_a_principled_metal(build):
     row, warnings = only(build.surface(node))
     assert warnings == [] and row["model"] == PRINCIPLED and row["metallic"] == 1.0
     assert row["base_color"] == about([0.9, 0.6, 0.3]) and row["specular_tint"] == [0.5, 1.0, 1.0]
-
-
-def test_displacement_and_volume_are_told(build):
-    """What feeds Displacement and Volume is left out, with a warning each."""
-    node = build.node("ShaderNodeBsdfDiffuse")
-    build.link(build.node("ShaderNodeVolumeScatter").outputs[0], build.output.inputs["Volume"])
-    build.link(build.node("ShaderNodeDisplacement").outputs[0], build.output.inputs["Displacement"])
-    warnings = only(build.surface(node))[1]
-    assert [next(w for w in ("Volume", "Displacement") if w in line) for line in warnings]
-    assert len(warnings) == 2
 
 
 def test_normal_becomes_part_of_a_program(build):
@@ -329,34 +192,6 @@ def test_texture_is_a_program_and_its_row_the_mean(build, floating):
     # rule over what lies between 128 / 255 and 1 gives .5505.
     red = 0.75 if floating else 0.5505
     assert row["base_color"] == pytest.approx([red, 0.0, 1.0], abs=2e-3)  # 144 points
-
-
-def test_texture_without_image(build):
-    """Pink as in Cycles, and a warning."""
-    texture = build.node("ShaderNodeTexImage")
-    node = build.node("ShaderNodeBsdfDiffuse", links=[("Color", texture.outputs["Color"])])
-    row, warnings = only(build.surface(node))
-    assert row["base_color"] == [1.0, 0.0, 1.0] and len(warnings) == 1
-
-
-def test_other_link_leaves_the_value_beneath(build):
-    """A node that is not supported: the socket's own value, and a warning."""
-    wave = build.node("ShaderNodeTexIES", "Lamp")
-    node = build.node(
-        "ShaderNodeBsdfDiffuse", Color=(0.5, 0.25, 0, 1), links=[("Color", wave.outputs[0])]
-    )
-    row, warnings = only(build.surface(node))
-    assert row["base_color"] == [0.5, 0.25, 0.0]
-    assert len(warnings) == 1 and 'node "Lamp"' in warnings[0] and '"Color"' in warnings[0]
-
-
-def test_nothing_linked_is_black_with_a_word(build):
-    """Cycles renders both black; the warning says why."""
-    row, warnings = only(build)
-    assert row["model"] == BLACK and len(warnings) == 1
-    build.tree.nodes.clear()
-    row, warnings = only(build)
-    assert row["model"] == BLACK and len(warnings) == 1
 
 
 def test_material_without_nodes(scene):

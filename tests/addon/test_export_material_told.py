@@ -1,0 +1,123 @@
+"""Materials of the open file: nothing is dropped without a word, and nothing turns black."""
+
+import pytest
+
+from iwis.core.scene import BLACK, DIFFUSE, GLOSSY, PRINCIPLED
+from iwis.iwis_addon.export.material import export_materials
+from support.material_builds import Build, only
+
+
+@pytest.fixture
+def build(scene):
+    return Build()
+
+
+@pytest.mark.parametrize(
+    ("users", "where"),
+    [([], ""), (["A"], 'object "A", '), (["A", "B", "C"], 'object "A" and 2 more, ')],
+)
+def test_warnings_name_objects(build, users, where):
+    """The first object that has the material, and how many more."""
+    build.surface(build.node("ShaderNodeHoldout", "Hole"))
+    warnings = []
+    export_materials([build.material], warnings, [users])
+    assert len(warnings) == 1
+    assert warnings[0].startswith(f'{where}material "M", node "Hole": ')
+
+
+OTHERS = {
+    "ShaderNodeBsdfTransparent": DIFFUSE,
+    "ShaderNodeBsdfTranslucent": DIFFUSE,
+    "ShaderNodeBsdfGlass": GLOSSY,
+    "ShaderNodeBsdfRefraction": GLOSSY,
+    "ShaderNodeSubsurfaceScattering": DIFFUSE,
+    "ShaderNodeBsdfSheen": DIFFUSE,
+    "ShaderNodeBsdfToon": DIFFUSE,
+    "ShaderNodeBsdfHair": DIFFUSE,
+    "ShaderNodeBsdfHairPrincipled": DIFFUSE,
+    "ShaderNodeBsdfRayPortal": DIFFUSE,
+    "ShaderNodeEeveeSpecular": DIFFUSE,
+    "ShaderNodeVolumeScatter": DIFFUSE,
+    "ShaderNodeHoldout": BLACK,
+}
+
+
+@pytest.mark.parametrize("kind", OTHERS)
+def test_unsupported_shader_is_never_black_without_a_word(build, kind):
+    """The nearest supported meaning, and one warning with the names of material and node."""
+    row, warnings = only(build.surface(build.node(kind, "Strange")))
+    assert row["model"] == OTHERS[kind]
+    assert max(row["base_color"]) > 0.0
+    assert len(warnings) == 1 and warnings[0].startswith('material "M", node "Strange": ')
+
+
+IGNORED = {
+    "Alpha": 0.5,
+    "Diffuse Roughness": 0.5,
+    "Subsurface Weight": 0.5,
+    "Anisotropic": 0.5,
+    "Transmission Weight": 1.0,
+    "Coat Weight": 0.5,
+    "Sheen Weight": 0.5,
+    "Thin Film Thickness": 100.0,
+}
+
+
+@pytest.mark.parametrize("name", IGNORED)
+def test_principled_input_left_out_is_told(build, name):
+    node = build.node("ShaderNodeBsdfPrincipled", "P")
+    node.inputs[name].default_value = IGNORED[name]
+    row, warnings = only(build.surface(node))
+    assert row["model"] == PRINCIPLED
+    assert len(warnings) == 1 and name in warnings[0] and 'node "P"' in warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("kind", "values"),
+    [
+        ("ShaderNodeBsdfDiffuse", {"Roughness": 0.5}),
+        ("ShaderNodeBsdfGlossy", {"Anisotropy": 0.5}),
+        ("ShaderNodeBsdfGlossy", {"distribution": "ASHIKHMIN_SHIRLEY"}),
+        ("ShaderNodeBsdfMetallic", {"fresnel_type": "PHYSICAL_CONDUCTOR"}),
+    ],
+)
+def test_other_settings_left_out_are_told(build, kind, values):
+    assert len(only(build.surface(build.node(kind, **values)))[1]) == 1
+
+
+def test_displacement_and_volume_are_told(build):
+    """What feeds Displacement and Volume is left out, with a warning each."""
+    node = build.node("ShaderNodeBsdfDiffuse")
+    build.link(build.node("ShaderNodeVolumeScatter").outputs[0], build.output.inputs["Volume"])
+    build.link(build.node("ShaderNodeDisplacement").outputs[0], build.output.inputs["Displacement"])
+    warnings = only(build.surface(node))[1]
+    assert [next(w for w in ("Volume", "Displacement") if w in line) for line in warnings]
+    assert len(warnings) == 2
+
+
+def test_texture_without_image(build):
+    """Pink as in Cycles, and a warning."""
+    texture = build.node("ShaderNodeTexImage")
+    node = build.node("ShaderNodeBsdfDiffuse", links=[("Color", texture.outputs["Color"])])
+    row, warnings = only(build.surface(node))
+    assert row["base_color"] == [1.0, 0.0, 1.0] and len(warnings) == 1
+
+
+def test_other_link_leaves_the_value_beneath(build):
+    """A node that is not supported: the socket's own value, and a warning."""
+    wave = build.node("ShaderNodeTexIES", "Lamp")
+    node = build.node(
+        "ShaderNodeBsdfDiffuse", Color=(0.5, 0.25, 0, 1), links=[("Color", wave.outputs[0])]
+    )
+    row, warnings = only(build.surface(node))
+    assert row["base_color"] == [0.5, 0.25, 0.0]
+    assert len(warnings) == 1 and 'node "Lamp"' in warnings[0] and '"Color"' in warnings[0]
+
+
+def test_nothing_linked_is_black_with_a_word(build):
+    """Cycles renders both black; the warning says why."""
+    row, warnings = only(build)
+    assert row["model"] == BLACK and len(warnings) == 1
+    build.tree.nodes.clear()
+    row, warnings = only(build)
+    assert row["model"] == BLACK and len(warnings) == 1
