@@ -6,22 +6,23 @@ In the order of the data; a module imports only from groups with a smaller numbe
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes,
     pace
-    camera, embree, albedo_tables, haar_forest,      2  rays, Embree, sparse Haar series
-    environment, shading, watch, neighbours, merl,
+    camera, embree_filter, albedo_tables,            2  rays, sparse Haar series, points
+    haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal
-    accel, lobes, pyramid, haar_product,             3  rays, materials at a point; light; products
+    embree, lobes, pyramid, haar_product,            3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool
-    brdf, lobe_cells, product, tables, incremental,  4  the BSDF; light x BSDF; the paper's loop
-    pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes, nodes,
+    accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
+    pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, measured, lobe_setup
-    product_build, warp, light_rays, paper_tables,   5  product sampling; the tables of a scene
-    pass_sums, light_cells, surface
-    weigh, guide, paper_products, light_tree,        6  what samples bring, and teach; layers
-    develop
-    unbiased, paper, render_cache                    7  the two modes; what is kept
-    block_loop, reference                            8  UNBIASED's loop; estimators to compare with
-    two_stage, tile_job                              9  another one; a tile's work
-    center_tile, filtered_tile, budget, warm_up     10  one shading point a pixel, several; BUDGET
-    render                                          11  the entry point
-    progressive, pixel_view                         12  pictures for a window; one pixel's samples
+    incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
+    light_rays, paper_tables, light_cells
+    cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
+    paper_products, light_tree
+    surface, opacity, unbiased, paper, develop       7  shaders at points; the two modes
+    scene_rays, block_loop, reference                8  UNBIASED's loop; estimators to compare with
+    two_stage, tile_job, render_cache                9  another one; a tile's work; what is kept
+    merged_layers, budget, warm_up                  10  closures together; BUDGET
+    center_tile, filtered_tile                      11  one shading point a pixel, several
+    render                                          12  the entry point
+    progressive, pixel_view                         13  pictures for a window; one pixel's samples
 """

@@ -14,6 +14,7 @@ import numpy as np
 
 from ._jit import kernel
 from .embree import EmbreeScene
+from .embree_filter import Opacity, ShadowFilter
 from .embree_rays import NOTHING, Traversal, intersect_block, occluded_block
 from .scene import TriangleMesh
 from .terminator import lift_share
@@ -34,15 +35,19 @@ class Accel:
 
     by_rays = False
 
-    def __init__(self, mesh: TriangleMesh, cancelled=lambda: False):
-        """Build it, on all processors. Raises Cancelled soon after ``cancelled`` says so."""
+    def __init__(self, mesh: TriangleMesh, cancelled=lambda: False, opacity: Opacity | None = None):
+        """Build it, on all processors. Raises Cancelled soon after ``cancelled`` says so.
+
+        opacity: what lets shadow rays through; only where embree.can_filter says so
+        """
         self.mesh = mesh
         self.offset = ray_offset(mesh.vertices)
         self._scene, self.traversal = None, NOTHING
         if len(mesh.triangles) == 0:
             return
+        own = None if opacity is None else ShadowFilter(opacity)
         try:
-            self._scene = EmbreeScene(mesh.vertices, mesh.triangles)
+            self._scene = EmbreeScene(mesh.vertices, mesh.triangles, own)
         except OSError as error:
             log.warning("IWIS: rays take the slow way, through embreex: %s", error)
             self._scene = EmbreexScene(mesh.vertices, mesh.triangles)

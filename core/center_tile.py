@@ -12,20 +12,21 @@ from .develop import MissedRays, PlacedPoints, develop_points
 from .film import Tile
 from .guide import Guides, new_guides
 from .incremental import PixelSums, new_sums
+from .merged_layers import merge_layers
 from .neighbours import CELL_PX, cell_order
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .stop_rule import Rule, perceptual_rule, spread_of, stop_rule
 from .tile_job import (
+    ClosureLayer,
     Job,
     Rect,
-    SeenPoints,
     TileCounts,
     add_samples,
     cell_bounds,
     frame_places,
     trace_points,
     whole_cells,
-    with_lobes,
+    with_all_lobes,
 )
 
 
@@ -42,12 +43,13 @@ class CenterTile:
         self._learns = settings.estimator == "UNBIASED"
         alone = settings.stop_rule not in ("PERCEPTUAL", "BUDGET") and not self._learns
         self._whole = rect if alone else whole_cells(rect, job.scene.camera)
-        self._sums: PixelSums | None = None
-        self._seen: SeenPoints | None = None
+        # One each for every closure that points mix (tile_job.ClosureLayer).
+        self._sums: list[PixelSums] | None = None
+        self._layers: list[ClosureLayer] | None = None
+        self._bounds: list[np.ndarray] = []
+        self._guides: list[Guides] = []
         self._missed: MissedRays | None = None
         self._places = np.zeros(0, np.int32)
-        self._bounds = np.zeros(1, np.int32)
-        self._guides: Guides | None = None
         self._traced = self._primary = 0
 
     def advance(self, samples: int) -> bool:
@@ -55,7 +57,8 @@ class CenterTile:
         settings = self._job.settings
         most = min(samples, settings.max_samples)
         self._add(stop_rule(dataclasses.replace(settings, max_samples=most)))
-        return samples >= settings.max_samples or self._sums.count.max(initial=0) < samples
+        taken = max(sums.count.max(initial=0) for sums in self._sums)
+        return samples >= settings.max_samples or taken < samples
 
     def look(self, typical: float, most: int) -> None:
         """See TileWork."""
@@ -64,32 +67,42 @@ class CenterTile:
     def demand(self, typical: float) -> Demand:
         """See TileWork: of the points, in the order of their cells."""
         self._look()
-        counted = (self._places >= 0) & (self._sums.count > 0)
-        columns, rows = frame_places(self._whole, self._seen.points.pixel)
-        return Demand(
-            power=powers(spread_of(self._sums)),
-            least=np.zeros(len(counted), np.float32),
-            taken=self._sums.count.copy(),
-            share=np.where(counted, WHOLE_SHARE, 0).astype(np.int32),
-            dither=dither_of(columns, rows),
-            grain=0,
-            shaded=int((self._places >= 0).sum()),
+        parts = [
+            self._demand(layer, sums) for layer, sums in zip(self._layers, self._sums, strict=True)
+        ]
+        arrays = map(np.concatenate, zip(*parts, strict=True))
+        return Demand(*arrays, grain=0, shaded=int((self._places >= 0).sum()))
+
+    def _demand(self, layer: ClosureLayer, sums: PixelSums) -> tuple[np.ndarray, ...]:
+        """The arrays of a Demand."""
+        counted = (self._places[layer.of] >= 0) & (sums.count > 0)
+        columns, rows = frame_places(self._whole, layer.seen.points.pixel)
+        return (
+            powers(spread_of(sums)),
+            np.zeros(len(counted), np.float32),
+            sums.count.copy(),
+            np.where(counted, WHOLE_SHARE, 0).astype(np.int32),
+            dither_of(columns, rows),
         )
 
     def go_to(self, counts: np.ndarray, typical: float) -> None:
         """See TileWork."""
-        self._add(perceptual_rule(typical, self._job.settings.max_samples, counts))
+        self._look()
+        ends = np.cumsum([len(layer.of) for layer in self._layers])
+        most = self._job.settings.max_samples
+        plans = np.split(counts, ends[:-1])
+        self._add(*(perceptual_rule(typical, most, plan) for plan in plans))
 
     def develop(self) -> Tile:
         """See TileWork."""
         self._look()
-        points, lobes, _ = self._seen
+        seen, sums = merge_layers(self._layers, self._sums)
         layers = develop_points(
             self._job.scene,
             self._job.light.lookup,
-            PlacedPoints(points, lobes, self._places),
+            PlacedPoints(seen.points, seen.lobes, self._places),
             self._missed,
-            self._sums,
+            sums,
             self.rect[2:],
             self._job.settings.max_samples,
         )
@@ -97,41 +110,52 @@ class CenterTile:
 
     def rest(self) -> None:
         """See TileWork."""
-        self._seen = self._missed = None
+        self._layers = self._missed = None
 
     def counts(self) -> TileCounts:
         """See TileWork."""
         self._look()
-        count = self._sums.count[self._places >= 0]
+        whole = np.zeros(len(self._places), np.int64)
+        for layer, sums in zip(self._layers, self._sums, strict=True):
+            whole[layer.of] += sums.count
+        count = whole[self._places >= 0]
         return TileCounts(
             len(count), int(count.sum()), int(count.max(initial=0)), self._traced, self._primary
         )
 
-    def _add(self, rule: Rule) -> None:
+    def _add(self, *rules: Rule) -> None:
+        """rules: one for each layer, or one for all."""
         self._look()
-        own = self._seen, self._whole, self._sums, self._bounds
-        self._traced += add_samples(self._job, *own, rule, self._guides)
+        rules = rules * len(self._layers) if len(rules) == 1 else rules
+        own = self._layers, self._sums, self._bounds, rules, self._guides
+        for layer, sums, bounds, rule, guides in zip(*own, strict=True):
+            self._traced += add_samples(
+                self._job, layer.seen, self._whole, sums, bounds, rule, guides
+            )
 
     def _look(self) -> None:
         """Have the points that the pixels' centres see, in the order of their cells."""
-        if self._seen is not None:
+        if self._layers is not None:
             return
         scene, whole = self._job.scene, self._whole
         pixel, ends = _cell_pixels(whole.x % CELL_PX, whole.y % CELL_PX, *whole[2:])
         columns, rows = frame_places(whole, pixel)
         origins, directions = rays_through(scene.camera, columns + 0.5, rows + 0.5)
         self._primary += len(origins)
-        points = trace_points(self._job, origins, directions)
-        self._bounds = cell_bounds(points, ends)
+        points = trace_points(self._job, origins, directions, dither_of(columns, rows))
         missed = np.ones(len(pixel), np.bool_)
         missed[points.pixel] = False
         places = places_in(self.rect, columns, rows)
-        self._places = places[points.pixel]
         self._missed = MissedRays(places[missed], directions[missed])
-        self._seen = with_lobes(scene, points._replace(pixel=pixel[points.pixel]))
+        self._places = places[points.pixel]
+        bounds = cell_bounds(points, ends)
+        layers = with_all_lobes(scene, points._replace(pixel=pixel[points.pixel]))
+        self._bounds = [np.searchsorted(of, bounds).astype(np.int32) for _, of in layers]
+        self._layers = layers
         if self._sums is None:
-            self._sums = new_sums(len(points.pixel))
-            self._guides = new_guides(len(self._bounds) - 1 if self._learns else 0)
+            self._sums = [new_sums(len(of)) for _, of in layers]
+            n = len(bounds) - 1 if self._learns else 0
+            self._guides = [new_guides(n) for _ in layers]
 
 
 def places_in(rect: Rect, columns: np.ndarray, rows: np.ndarray) -> np.ndarray:

@@ -17,11 +17,13 @@ import numba
 import numpy as np
 
 from ._jit import c_callback
+from .embree_filter import ShadowFilter
 from .embree_rays import Traversal
 
 # How soon a build hears of a cancel. Embree asks several thousand times a build.
 POLL_SECONDS = 0.01
 _NATIVE_PACKETS_OF_8 = 33  # RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
+_FILTER_FUNCTIONS = 66  # RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED
 # A ray through an edge hits one of its triangles (without: one in 20 slips through).
 _ROBUST = 4
 _INDEX, _VERTEX, _UINT3, _FLOAT3, _TRIANGLES = 0, 1, 0x5003, 0x9003, 0
@@ -52,10 +54,25 @@ _SIGNATURES = {
         None,
         [_HANDLE, ctypes.c_int, ctypes.c_uint, ctypes.c_int, _HANDLE, _SIZE, _SIZE, _SIZE],
     ),
+    "rtcSetGeometryUserData": (None, [_HANDLE] * 2),
+    "rtcSetGeometryOccludedFilterFunction": (None, [_HANDLE] * 2),
     "rtcCommitGeometry": (None, [_HANDLE]),
     "rtcAttachGeometry": (ctypes.c_uint, [_HANDLE, _HANDLE]),
     "rtcReleaseGeometry": (None, [_HANDLE]),
 }
+
+
+@functools.cache
+def can_filter() -> bool:
+    """Whether shadow rays can be filtered."""
+    try:
+        library = load_library()
+    except OSError:
+        return False
+    device = library.rtcNewDevice(b"")
+    able = library.rtcGetDeviceProperty(device, _FILTER_FUNCTIONS)
+    library.rtcReleaseDevice(device)
+    return bool(able)
 
 
 @functools.cache
@@ -96,15 +113,22 @@ def _go_on(stop, progress):
 class EmbreeScene:
     """The hierarchy of one triangle mesh. It lives as long as the object, or until close()."""
 
-    def __init__(self, vertices: np.ndarray, triangles: np.ndarray):
+    def __init__(
+        self,
+        vertices: np.ndarray,
+        triangles: np.ndarray,
+        shadow_filter: ShadowFilter | None = None,
+    ):
         """Ready to be committed. vertices: float32 (n, 3); triangles: int32 (m, 3), m > 0.
 
-        Both are read in place. Triangles with a corner that is not finite are never hit.
+        shadow_filter: which hits of shadow rays count; the camera's rays are not asked
+        Both arrays are read in place. Triangles with a corner that is not finite are never hit.
         Raises OSError where there is no library, MemoryError or RuntimeError.
         """
         self.handle = self._device = None
         self._library = load_library()
         self._arrays = _readable(vertices), triangles  # Embree reads them, and owns nothing
+        self._filter = shadow_filter
         # Not "threads=N": it would bind all users of TBB in the process, Blender's too.
         self._device = self._library.rtcNewDevice(b"")
         self._check()
@@ -121,6 +145,9 @@ class EmbreeScene:
             library.rtcSetSharedGeometryBuffer(
                 geometry, kind, 0, form, array.ctypes.data, 0, array.strides[0], len(array)
             )
+        if self._filter is not None:
+            library.rtcSetGeometryUserData(geometry, self._filter.data)
+            library.rtcSetGeometryOccludedFilterFunction(geometry, self._filter.function)
         library.rtcCommitGeometry(geometry)
         library.rtcAttachGeometry(self.handle, geometry)
         library.rtcReleaseGeometry(geometry)  # the scene keeps it
@@ -171,7 +198,7 @@ class EmbreeScene:
             self._library.rtcReleaseScene(self.handle)
         if self._device:
             self._library.rtcReleaseDevice(self._device)
-        self.handle = self._device = self._arrays = None
+        self.handle = self._device = self._arrays = self._filter = None
 
     __del__ = close
 

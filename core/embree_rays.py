@@ -95,15 +95,22 @@ def _reader(numba_type):
         """Read a number from an address."""
 
         def generate(context, builder, signature, arguments):
-            word = context.get_value_type(numba_type)
-            return builder.load(builder.inttoptr(arguments[0], word.as_pointer()), align=4)
+            word, least = context.get_value_type(numba_type), min(numba_type.bitwidth // 8, 4)
+            return builder.load(builder.inttoptr(arguments[0], word.as_pointer()), align=least)
 
         return numba_type(types.intp), generate
 
     return read
 
 
-_get_float, _get_int = _reader(types.float32), _reader(types.int32)
+get_float, get_int = _reader(types.float32), _reader(types.int32)
+get_word, get_byte = _reader(types.intp), _reader(types.uint8)
+
+
+@kernel(forceinline=True)
+def put_int(place, value):
+    """Write an int32 to an address."""
+    _put(place, np.uint32(value))
 
 
 @kernel(forceinline=True)
@@ -137,7 +144,7 @@ def occluded_one(traversal, ox, oy, oz, dx, dy, dz):
     _put_constants(ray, 4)
     _put_ray(ray, 4, ox, oy, oz, dx, dy, dz)
     _call(traversal.occluded1, (traversal.scene, ray, 0))
-    return _get_float(ray + 32) < _ZERO
+    return get_float(ray + 32) < _ZERO
 
 
 @kernel(forceinline=True)
@@ -171,7 +178,7 @@ def _occluded_packets(traversal, origins, directions, n, out):
         size = _fill_packet(packet, valid, origins, directions, k, n)
         _call(traversal.occluded8, (valid, traversal.scene, packet, 0))
         for lane in range(size):
-            out[k + lane] = _get_float(packet + 4 * (8 * _WIDTH + lane)) < _ZERO
+            out[k + lane] = get_float(packet + 4 * (8 * _WIDTH + lane)) < _ZERO
         k += size
 
 
@@ -231,7 +238,7 @@ def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, seen):
             _put(valid + 4 * unused, _ZERO)
         _call(traversal.occluded8, (valid, traversal.scene, packet, 0))
         for lane in range(size):
-            seen[ray[first + lane]] = _get_float(packet + 4 * (8 * _WIDTH + lane)) >= _ZERO
+            seen[ray[first + lane]] = get_float(packet + 4 * (8 * _WIDTH + lane)) >= _ZERO
 
 
 @kernel
@@ -251,4 +258,4 @@ def intersect_block(traversal, origins, directions, triangle, u, v):
         _put(ray + 72, _ALL)
         if traversal.scene != 0:
             _call(traversal.intersect1, (traversal.scene, ray, 0))
-        triangle[k], u[k], v[k] = _get_int(ray + 68), _get_float(ray + 60), _get_float(ray + 64)
+        triangle[k], u[k], v[k] = get_int(ray + 68), get_float(ray + 60), get_float(ray + 64)

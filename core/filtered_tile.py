@@ -18,13 +18,20 @@ from .environment import eval_environment_many
 from .film import Tile
 from .guide import new_guides
 from .incremental import PixelSums, new_sums
+from .merged_layers import merge_layers
 from .neighbours import cell_order
 from .pass_sums import PassSums, add_background, add_seen, close_pass, fill_spreads, new_pass_sums
-from .pixel_filter import filter_offsets, unit_points
+from .pixel_filter import (
+    LAYER_NUMBERS,
+    filter_offsets,
+    unit_numbers,
+    unit_points,
+)
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .shading import ShadingPoints
 from .stop_rule import FLOOR, paper_rule, plan_counts, threshold_of, typical_count
 from .tile_job import (
+    ClosureLayer,
     Job,
     Rect,
     SeenPoints,
@@ -32,7 +39,7 @@ from .tile_job import (
     add_samples,
     trace_points,
     whole_cells,
-    with_lobes,
+    with_all_lobes,
 )
 
 _PILOT, _SILHOUETTE = 4, 1.2
@@ -157,12 +164,13 @@ class FilteredTile:
     def _take_pass(self, count: int) -> None:
         """One more shading point with ``count`` samples for each active pixel."""
         points, missed, directions = self._look()
-        seen = with_lobes(self._job.scene, points)
-        sums = self._sample(seen, count) if len(points.pixel) else None
+        layers = with_all_lobes(self._job.scene, points)
+        sums = self._sample(layers, count) if len(points.pixel) else None
         if self._passes and self._job.stop.is_set():
             return  # a pass that was cut short would darken those before it
         self._add_world(missed, directions)
         if sums is not None:
+            seen, sums = merge_layers(layers, sums)
             add_seen(points.pixel, points.normal, seen.lobes, sums, self._sums)
         close_pass(self._active, self._job.scene.transparent_film, self._sums)
         self._passes += 1
@@ -176,7 +184,8 @@ class FilteredTile:
         if pilot:
             looked = np.append(looked, np.flatnonzero(self._cell < 0).astype(np.int32))
         origins, directions = self._rays(looked)
-        points = trace_points(self._job, origins, directions)
+        dither = self._numbers(looked, LAYER_NUMBERS)
+        points = trace_points(self._job, origins, directions, dither)
         self._primary += len(looked)
         missed = np.ones(len(looked), np.bool_)
         missed[points.pixel] = False
@@ -185,13 +194,26 @@ class FilteredTile:
             self._note_objects(looked[missed], points)
             inside = self._cell >= 0
             missed &= inside[looked]
-            points = ShadingPoints(*(column[inside[points.pixel]] for column in points))
+            points = points.at(inside[points.pixel])
         return points, looked[missed], directions[missed]
+
+    def _numbers(self, pixels, salt) -> np.ndarray | None:
+        """This pass's number of each pixel (pixel_filter.unit_numbers), if materials draw any."""
+        settings = self._job.settings
+        if self._job.scene.shaders is None:
+            return None
+        own = 0 if settings.decorrelation == "NONE" else 1
+        columns, rows = self._places(pixels)
+        return unit_numbers(own * columns, own * rows, self._passes, settings.seed, salt)
+
+    def _places(self, pixels) -> tuple[np.ndarray, np.ndarray]:
+        """Column and row in the frame, int64."""
+        rows, columns = np.divmod(pixels.astype(np.int64), self._around.width)
+        return columns + self._around.x, rows + self._around.y
 
     def _rays(self, pixels):
         settings = self._job.settings
-        rows, columns = np.divmod(pixels.astype(np.int64), self._around.width)
-        columns, rows = columns + self._around.x, rows + self._around.y
+        columns, rows = self._places(pixels)
         own = 0 if settings.decorrelation == "NONE" else 1
         points = unit_points(own * columns, own * rows, self._passes, settings.seed)
         offsets = filter_offsets(settings.pixel_filter, settings.filter_width, points)
@@ -207,7 +229,22 @@ class FilteredTile:
         eval_environment_many(self._job.light.lookup, directions, radiance)
         add_background(pixels, radiance, not scene.transparent_film, self._sums)
 
-    def _sample(self, seen: SeenPoints, count: int) -> PixelSums:
+    def _sample(self, layers: list[ClosureLayer], count: int) -> list[PixelSums]:
+        """count samples of each point, shared among its closures."""
+        if len(layers) == 1:
+            return [self._sample_rows(layers[0].seen, count)]
+        closures = np.bincount(np.concatenate([layer.of for layer in layers]))
+        found = []
+        for seen, of in layers:
+            found.append(new_sums(len(of)))
+            for k in np.unique(closures[of]):
+                rows = np.flatnonzero(closures[of] == k)
+                part = self._sample_rows(seen.at(rows), max(count // k, 1))
+                for whole, own in zip(found[-1], part, strict=True):
+                    whole[rows] = own
+        return found
+
+    def _sample_rows(self, seen: SeenPoints, count: int) -> PixelSums:
         first = self._passes * samples_of_a_pass(self._job.settings)
         sums, rule = new_sums(len(seen.rows)), paper_rule(-1.0, count, first + count)
         cells = np.arange(self._n_cells + 1)

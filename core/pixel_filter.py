@@ -22,6 +22,8 @@ from .sequence import scramble
 _BITS = 4294967296.0
 # Hashes 1 and 2 scramble the points of light.
 _ORDER_SALT, _X_SALT, _Y_SALT = 3, 4, 5
+# The salt of numbers for cut-outs (unit_numbers), and the next one.
+LAYER_NUMBERS = 6
 _CDF_NODES, _GUIDES = 4097, 1024
 
 
@@ -55,6 +57,24 @@ def unit_points(columns, rows, number: int, seed: int) -> np.ndarray:
     out = np.empty((len(columns), 2))
     reversed_number = np.uint32(int(f"{number:032b}"[::-1], 2))
     _fill_points(columns, rows, reversed_number, seed, out)
+    return out
+
+
+@kernel
+def _fill_numbers(columns, rows, reversed_number, seed, salt, out):
+    u = np.uint32
+    for k in range(len(columns)):
+        x, y = columns[k], rows[k]
+        index = scramble(reversed_number, u(hash_pixel(x, y, seed, salt) * _BITS))
+        number = scramble(index, u(hash_pixel(x, y, seed, salt + 1) * _BITS))
+        out[k] = np.float64(number) / _BITS
+
+
+def unit_numbers(columns, rows, number: int, seed: int, salt: int) -> np.ndarray:
+    """float64 (n,) in [0, 1): as unit_points, one dimension that is not in step with these."""
+    out = np.empty(len(columns))
+    reversed_number = np.uint32(int(f"{number:032b}"[::-1], 2))
+    _fill_numbers(columns, rows, reversed_number, seed, salt, out)
     return out
 
 

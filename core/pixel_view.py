@@ -98,7 +98,7 @@ def _make_job(scene, settings, cache) -> Job:
         threads = worker_count(settings)
         tables, _, _ = cache.tables(scene, light, settings, threads, lambda *_: None)
     points = common_points(settings.max_samples, settings.point_set)
-    return Job(scene, settings, cache.accel(scene.mesh), light, tables, points, StopFlag())
+    return Job(scene, settings, cache.rays(scene), light, tables, points, StopFlag())
 
 
 @kernel

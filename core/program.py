@@ -57,13 +57,15 @@ class Closure(NamedTuple):
 class Program:
     """The surface of one material.
 
-    closures: at least one; of several, a point shows the one of the greatest weight
+    closures: at least one; they add up
     emission: a colour, radiance; None: it does not glow
+    transparent: a colour, the share of light that goes straight through; None: it is opaque
     """
 
     ops: tuple[Op, ...]
     closures: tuple[Closure, ...]
     emission: Value | None = None
+    transparent: Value | None = None
 
 
 class ImageTiles(NamedTuple):

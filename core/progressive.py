@@ -107,7 +107,7 @@ def render_progressive(
     Raises watch.Cancelled where ``close`` ended the building of the BVH.
     """
     settings = dataclasses.replace(settings, estimator="UNBIASED")
-    accel = cache.accel(scene.mesh, close.is_set)
+    accel = cache.rays(scene, close.is_set)
     light = cache.light(scene.environment, settings.cache_dir)
     step, stop, last = pace.first_step(scene.camera), close, None
     few = dataclasses.replace(

@@ -48,7 +48,7 @@ def render(
     threads = worker_count(settings)
     accel = light = tables = None
     with stats.phase("bvh"):
-        accel = watched(lambda _: cache.accel(scene.mesh, stop.is_set), sink, stop, "bvh")
+        accel = watched(lambda _: cache.rays(scene, stop.is_set), sink, stop, "bvh")
     if not stop.is_set():
         with stats.phase("tables"):
             light, tables = _prepare_light(scene, settings, sink, cache, stop, stats)

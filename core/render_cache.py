@@ -12,6 +12,7 @@ from .light_tree import build_pyramid
 from .paper_tables import PaperTables, TableBuilder
 from .pyramid import LightPyramid
 from .scene import EnvironmentMap, Scene, TriangleMesh
+from .scene_rays import RayParts, SceneRays, ray_masks
 from .settings import RenderSettings
 from .table_cache import table_folder
 
@@ -24,6 +25,7 @@ class RenderCache:
 
     def __init__(self):
         self._accel: Accel | None = None
+        self._parts: RayParts | None = None
         self._environment: EnvironmentMap | None = None
         self._light: Light | None = None
         self._unit: LightPyramid | None = None  # of the light, at strength 1
@@ -37,6 +39,17 @@ class RenderCache:
             self._accel = accel = None  # two hierarchies at once would double the peak
             self._accel = accel = Accel(mesh, cancelled)
         return accel
+
+    def rays(self, scene: Scene, cancelled=lambda: False) -> Accel | SceneRays:
+        """What the rays of a scene meet: its Accel, or several where not all see the same."""
+        masks, parts = ray_masks(scene), self._parts
+        if masks is None:
+            self._parts = None
+            return self.accel(scene.mesh, cancelled)
+        if parts is None or parts.mesh is not scene.mesh or not masks.same(parts.masks):
+            self._accel = self._parts = parts = None
+            self._parts = parts = RayParts(scene.mesh, masks, cancelled)
+        return SceneRays(scene, parts)
 
     def light(
         self,

@@ -18,6 +18,8 @@ PERSPECTIVE, ORTHOGRAPHIC = "PERSPECTIVE", "ORTHOGRAPHIC"
 
 # MaterialParams.model
 DIFFUSE, PRINCIPLED, GLOSSY, BLACK, MEASURED = 0, 1, 2, 3, 4
+# Bits of Scene.object_flags
+CAMERA_RAYS, SHADOW_RAYS, HOLDOUT, SHADOW_CATCHER = 1, 2, 4, 8
 # MaterialParams.distribution
 GGX, MULTI_GGX, BECKMANN = 0, 1, 2
 
@@ -168,6 +170,8 @@ class Scene:
     material_pass_index, object_pass_index: float32 (n,), values of the index passes
     terminator_offset: float32 (n_objects,), Blender's shadow terminator geometry offset: shadow
         rays of a smaller cosine start above coarse smooth faces; None = 0 for all
+    object_flags: uint8 (n_objects,), CAMERA_RAYS | SHADOW_RAYS: which rays see an object; HOLDOUT |
+        SHADOW_CATCHER: what the camera sees of it; None = plain objects that all rays see
     shaders: materials that vary over the surface; None: materials says all
     transparent_film: alpha 0 where the camera sees the world
     exposure: factor of the film
@@ -181,6 +185,7 @@ class Scene:
     material_pass_index: np.ndarray
     object_pass_index: np.ndarray
     terminator_offset: np.ndarray | None = None
+    object_flags: np.ndarray | None = None
     shaders: Shaders | None = None
     transparent_film: bool = False
     exposure: float = 1.0

@@ -32,6 +32,10 @@ class ShadingPoints(NamedTuple):
     lift: np.ndarray
     lift_below: np.ndarray
 
+    def at(self, which) -> ShadingPoints:
+        """Those of a slice, a mask or indices."""
+        return ShadingPoints(*(np.ascontiguousarray(column[which]) for column in self))
+
 
 @kernel
 def _interpolate(vertices, triangles, corner_normals, hit, u, v, directions, points):

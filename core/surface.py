@@ -1,11 +1,16 @@
-"""Lobes of shading points whose materials vary over the surface: programs evaluated, one point one
-closure (docs/decisions/0017-shader-programs.md).
+"""Lobes of shading points whose materials vary over the surface: programs evaluated
+(docs/decisions/0017-shader-programs.md, 0022-closures-and-cut-outs.md).
+
+A row of Lobes holds one closure: the points of a mixture are taken once for each that is there.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from .cutouts import opacity_gain
 from .lobe_setup import setup_lobes
 from .lobes import Lobes
 from .nodes import Evaluation, ShadeContext
@@ -13,48 +18,140 @@ from .program import Program
 from .scene import MaterialParams, Scene
 from .shading import ShadingPoints, params_at
 
+_VECTORS = ("base_color", "specular_tint")  # columns of MaterialParams
+
+
+class _Layer(NamedTuple):
+    """A closure at m points.
+
+    which: int (m,), rows of the points; weight: float32 (m, 3); normal: float32 (m, 3), 0 where it
+    is the surface's own, or None; params: column of MaterialParams -> values at the points
+    """
+
+    closure: tuple
+    which: np.ndarray
+    weight: np.ndarray
+    normal: np.ndarray | None
+    params: dict[str, np.ndarray]
+
+    def at(self, some) -> _Layer:
+        normal = None if self.normal is None else self.normal[some]
+        params = {name: values[some] for name, values in self.params.items()}
+        return _Layer(self.closure, self.which[some], self.weight[some], normal, params)
+
+
+class _Columns:
+    """What setup_lobes wants of n points, to be overwritten by layers."""
+
+    def __init__(self, scene: Scene, points: ShadingPoints):
+        self.points, self._measured = points, scene.measured
+        self.params = params_at(scene.materials, scene.mesh.material_index[points.triangle])
+        self.normal = points.normal.copy()
+        self.weight = np.ones((len(points.pixel), 3), np.float32)
+
+    def write(self, layer: _Layer, rows: np.ndarray) -> None:
+        """Give rows the layer's closure."""
+        params: MaterialParams = self.params
+        params.model[rows], params.distribution[rows] = layer.closure
+        for name, values in layer.params.items():
+            getattr(params, name)[rows] = values
+        self.weight[rows] = layer.weight
+        if layer.normal is not None:
+            kept = layer.normal.any(axis=1)
+            self.normal[rows[kept]] = layer.normal[kept]
+
+    def lobes(self) -> Lobes:
+        points, weight = self.points, self.weight
+        own = self.params, self.normal, points.geometric_normal, points.wo
+        lobes = setup_lobes(*own, self._measured)
+        if (weight == 1.0).all():
+            return lobes
+        return lobes._replace(
+            diffuse=lobes.diffuse * weight,
+            glossy_color=lobes.glossy_color * weight,
+            weight=lobes.weight * weight[:, None],
+            tint=lobes.tint * weight,
+        )
+
 
 def surface_lobes(scene: Scene, points: ShadingPoints) -> Lobes:
-    """The lobes of points, float32, one row each: by programs where materials have one."""
+    """The lobes of points, float32, one row each: of several closures the one of the greatest
+    weight, with the weight of all."""
+    columns = _Columns(scene, points)
+    for which, program, context in _materials_of(scene, points):
+        layers, glow = _evaluate(program, context, which)
+        columns.params.emission[which] = glow
+        picked, layers = _heaviest(layers)
+        for k, layer in enumerate(layers):
+            here = picked == k
+            columns.write(layer.at(here), which[here])
+    return columns.lobes()
+
+
+def closure_layers(scene: Scene, points: ShadingPoints) -> list[tuple[np.ndarray, Lobes]]:
+    """The closures of points in layers: (int64 (m,), ascending, which points; their lobes) of each.
+
+    The first layer has a closure of every point, and what glows; the next ones those of the points
+    that have more.
+    """
+    n = len(points.pixel)
+    glow = scene.materials.emission[scene.mesh.material_index[points.triangle]]
+    found: list[list[_Layer]] = [[]]
+    for which, program, context in _materials_of(scene, points):
+        layers, glow[which] = _evaluate(program, context, which)
+        for k, layer in enumerate(_packed(layers)):
+            if k == len(found):
+                found.append([])
+            found[k].append(layer)
+    out = []
+    for k, layers in enumerate(found):
+        source = np.arange(n) if k == 0 else np.sort(np.concatenate([x.which for x in layers]))
+        columns = _Columns(scene, points.at(source) if k else points)
+        for layer in layers:
+            columns.write(layer, np.searchsorted(source, layer.which))
+        columns.params.emission[:] = 0.0 if k else glow
+        out.append((source, columns.lobes()))
+    return out
+
+
+def _packed(layers: list[_Layer]) -> list[_Layer]:
+    """The same; the first one at all points, the others where they weigh anything."""
+    there = (layer.at(layer.weight.any(axis=1)) for layer in layers[1:])
+    return [layers[0], *(layer for layer in there if len(layer.which))]
+
+
+def _materials_of(scene: Scene, points: ShadingPoints):
+    """(rows of the points, program, context) of each material that has a program."""
     rows = scene.mesh.material_index[points.triangle]
-    params = params_at(scene.materials, rows)
-    normal = points.normal.copy()
-    weight = np.ones((len(rows), 3), np.float32)
     context = ShadeContext.of_points(scene, points)
     for row in np.unique(rows):
         program = scene.shaders.programs[row]
         if program is not None:
             which = np.flatnonzero(rows == row)
-            _fill(program, context.take(which), which, params, normal, weight)
-    lobes = setup_lobes(params, normal, points.geometric_normal, points.wo, scene.measured)
-    if (weight == 1.0).all():
-        return lobes
-    return lobes._replace(
-        diffuse=lobes.diffuse * weight,
-        glossy_color=lobes.glossy_color * weight,
-        weight=lobes.weight * weight[:, None],
-    )
+            yield which, program, context.take(which)
 
 
-def _fill(program: Program, context, which, params: MaterialParams, normal, weight) -> None:
-    """Write one material's points into the columns of all."""
+def _evaluate(program: Program, context, which) -> tuple[list[_Layer], np.ndarray]:
+    """The closures of one material's points, and what these emit: negative too, as in Cycles."""
     evaluation = Evaluation(program, context)
-    params.emission[which] = 0.0
-    if program.emission is not None:
-        params.emission[which] = evaluation.vector(program.emission)  # negative too, as Cycles
-    shares = [np.maximum(evaluation.vector(c.weight), 0.0) for c in program.closures]
-    heaviest = np.argmax([share.mean(axis=1) for share in shares], axis=0)
-    total = shares[0] if len(shares) == 1 else np.minimum(sum(shares), 1.0)
-    weight[which] = total
-    for k, closure in enumerate(program.closures):
-        here = heaviest == k
-        rows = which[here]
-        params.model[rows], params.distribution[rows] = closure.model, closure.distribution
-        for name, value in closure.params.items():
-            column = getattr(params, name)
-            found = evaluation.vector(value) if column.ndim == 2 else evaluation.number(value)
-            column[rows] = found[here]
-        if closure.normal is not None:
-            turned = evaluation.vector(closure.normal)[here]
-            kept = turned.any(axis=1)
-            normal[rows[kept]] = turned[kept]
+    opaque = opacity_gain(program, evaluation, len(which))
+    layers = []
+    for closure in program.closures:
+        params = {
+            name: evaluation.vector(value) if name in _VECTORS else evaluation.number(value)
+            for name, value in closure.params.items()
+        }
+        weight = np.maximum(evaluation.vector(closure.weight), 0.0) * opaque
+        normal = None if closure.normal is None else evaluation.vector(closure.normal)
+        layers.append(_Layer((closure.model, closure.distribution), which, weight, normal, params))
+    glow = 0.0 if program.emission is None else evaluation.vector(program.emission) * opaque
+    return layers, glow
+
+
+def _heaviest(layers: list[_Layer]) -> tuple[np.ndarray, list[_Layer]]:
+    """For each point the layer of the greatest weight, with the weight of all, 1 at the most."""
+    if len(layers) == 1:
+        return np.zeros(len(layers[0].which), np.int64), layers
+    picked = np.argmax([layer.weight.mean(axis=1) for layer in layers], axis=0)
+    total = np.minimum(sum(layer.weight for layer in layers), 1.0)
+    return picked, [layer._replace(weight=total) for layer in layers]

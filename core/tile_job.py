@@ -15,6 +15,7 @@ import numpy as np
 from .accel import Accel
 from .block_loop import Places, Room, continue_blocks, new_room
 from .camera import planar_depth
+from .cutouts import points_through
 from .film import Tile
 from .guide import Guides
 from .incremental import PixelSums, Sampler, continue_points
@@ -28,9 +29,9 @@ from .sample_plan import Demand
 from .scene import Camera, Scene
 from .sequence import PixelSequence, pixel_sequence
 from .settings import RenderSettings
-from .shading import ShadingPoints, params_at, shading_points
+from .shading import ShadingPoints, params_at
 from .stop_rule import PAPER_RULE, Rule
-from .surface import surface_lobes
+from .surface import closure_layers, surface_lobes
 from .unbiased import UnbiasedSampler
 from .watch import StopFlag
 
@@ -118,31 +119,50 @@ class SeenPoints(NamedTuple):
     def at(self, which) -> SeenPoints:
         """Those of a slice or of indices."""
         return SeenPoints(
-            ShadingPoints(*(column[which] for column in self.points)),
+            self.points.at(which),
             self.lobes.at(which),
             self.rows[which],
         )
 
 
-def trace_points(job: Job, origins, directions) -> ShadingPoints:
-    """The points that camera rays see, float32 (n, 3); ``pixel`` is the row of the ray."""
+def trace_points(job: Job, origins, directions, dither=None) -> ShadingPoints:
+    """The points that camera rays see, float32 (n, 3); ``pixel`` is the row of the ray.
+
+    dither: of cutouts.points_through
+    """
     scene = job.scene
-    hit, u, v = job.accel.intersect(origins, directions)
-    points = shading_points(scene.mesh, hit, u, v, directions, scene.terminator_offset)
+    points = points_through(scene, job.accel, origins, directions, dither)
     near_enough = planar_depth(scene.camera, points.position) <= scene.camera.clip_end
-    if not near_enough.all():
-        points = ShadingPoints(*(np.ascontiguousarray(column[near_enough]) for column in points))
-    return points
+    return points if near_enough.all() else points.at(near_enough)
 
 
 def with_lobes(scene: Scene, points: ShadingPoints) -> SeenPoints:
-    """Set up the materials of points."""
+    """Set up the materials of points; of a mixture the closure of the greatest weight."""
     rows = scene.mesh.material_index[points.triangle]
     if scene.shaders is not None:
         return SeenPoints(points, surface_lobes(scene, points), rows)
     params = params_at(scene.materials, rows)
     lobes = setup_lobes(params, points.normal, points.geometric_normal, points.wo, scene.measured)
     return SeenPoints(points, lobes, rows)
+
+
+class ClosureLayer(NamedTuple):
+    """One closure of each of some points; of: int64 (n,), ascending, their rows in the first layer,
+    which has all points."""
+
+    seen: SeenPoints
+    of: np.ndarray
+
+
+def with_all_lobes(scene: Scene, points: ShadingPoints) -> list[ClosureLayer]:
+    """The materials of points, a layer for each closure that they mix."""
+    if scene.shaders is None:
+        return [ClosureLayer(with_lobes(scene, points), np.arange(len(points.pixel)))]
+    rows, layers = scene.mesh.material_index[points.triangle], []
+    for of, lobes in closure_layers(scene, points):
+        own = points.at(of) if layers else points
+        layers.append(ClosureLayer(SeenPoints(own, lobes, rows[of]), of))
+    return layers
 
 
 def cell_bounds(points: ShadingPoints, ends: np.ndarray) -> np.ndarray:

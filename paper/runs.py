@@ -175,7 +175,7 @@ class Run:
             )
             self.notes += notes
             sequence = common_points(self.settings.max_samples, "PIXEL")
-            accel = self._cache.accel(self.scene.mesh)
+            accel = self._cache.rays(self.scene)
             self._job = Job(self.scene, self.settings, accel, light, tables, sequence, StopFlag())
         return self._job
 

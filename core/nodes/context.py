@@ -62,7 +62,7 @@ class ShadeContext:
         self._distance = distance
 
     @classmethod
-    def of_points(cls, scene, points) -> ShadeContext:
+    def of_points(cls, scene, points, shadow=False) -> ShadeContext:
         """Of ShadingPoints of a Scene with shaders."""
         mesh, shaders = scene.mesh, scene.shaders
         return cls(
@@ -76,6 +76,7 @@ class ShadeContext:
             points.wo,
             points.normal,
             points.geometric_normal,
+            shadow,
         )
 
     def __len__(self):

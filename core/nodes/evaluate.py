@@ -5,12 +5,22 @@ from __future__ import annotations
 import numpy as np
 
 from ..program import Program, Ref, Value
-from . import arithmetic, color, coordinates, images, noise, normals, patterns, voronoi
+from . import arithmetic, color, coordinates, images, layers, noise, normals, patterns, voronoi
 from .context import ShadeContext
 from .values import as_number, as_vector, column, convert
 
 FUNCTIONS = {}
-for family in (arithmetic, color, coordinates, images, normals, noise, voronoi, patterns):
+for family in (
+    arithmetic,
+    color,
+    coordinates,
+    images,
+    layers,
+    normals,
+    noise,
+    voronoi,
+    patterns,
+):
     FUNCTIONS |= family.FUNCTIONS
 
 

@@ -78,6 +78,7 @@ def export_scene(
         material_pass_index=materials.pass_index,
         object_pass_index=geometry.object_pass_index,
         terminator_offset=geometry.terminator_offset,
+        object_flags=geometry.object_flags,
         transparent_film=scene.render.film_transparent,
         measured=measured or NO_MEASURED,
         exposure=film_exposure(scene),

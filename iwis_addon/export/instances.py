@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...core.nodes.hashing import hash_words
+from ...core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
 from .errors import ExportCancelled
 from .local_mesh import LiveMeshes, LocalMesh, read_mesh
 
@@ -31,6 +32,7 @@ class Instance(NamedTuple):
     part: row of Inventory.parts; object_to_world: float64 (4, 4)
     slots: rows of Inventory.materials, one a material slot, at least one
     terminator_offset: the object's shadow terminator geometry offset, a cosine
+    flags: of Scene.object_flags
     """
 
     name: str
@@ -39,6 +41,7 @@ class Instance(NamedTuple):
     slots: tuple[int, ...]
     pass_index: int
     terminator_offset: float
+    flags: int
 
 
 class Look(NamedTuple):
@@ -73,6 +76,17 @@ def random_of_name(name: str) -> int:
     for byte in name.encode():
         word = (word * 37 + byte) & 0xFFFFFFFF
     return int(hash_words(np.array([word], np.uint32), np.zeros(1, np.uint32))[0])
+
+
+def _flags_of(obj) -> int:
+    """Of Scene.object_flags."""
+    flags = (
+        (obj.visible_camera, CAMERA_RAYS),
+        (obj.visible_shadow, SHADOW_RAYS),
+        (obj.is_holdout, HOLDOUT),
+        (obj.is_shadow_catcher, SHADOW_CATCHER),
+    )
+    return sum(bit for there, bit in flags if there)
 
 
 class _Ignored:
@@ -159,10 +173,6 @@ class _Collector:
         part, data_rows = self._part(obj, owner)
         if part is None:
             return
-        if not obj.visible_camera or not obj.visible_shadow:
-            self.ignored.add("Ray visibility is ignored, camera and shadow rays see", obj.name)
-        if obj.is_holdout or obj.is_shadow_catcher:
-            self.ignored.add("Holdout and shadow catcher are ignored, rendered as is", obj.name)
         matrix = np.array(object_to_world, np.float64)
         if not np.isfinite(matrix).all():
             self.ignored.add("Not rendered, the object's transform is not finite", obj.name)
@@ -179,6 +189,7 @@ class _Collector:
                 slots,
                 obj.pass_index,
                 obj.shadow_terminator_geometry_offset,
+                _flags_of(obj),
             )
         )
 

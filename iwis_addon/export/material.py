@@ -131,25 +131,29 @@ def _surface_of(material, users, warnings, images):
 
 def _finished(parts: SurfaceParts, builder: ProgramBuilder, reader: NodeReader):
     """(row, program or None, requests) of all that a tree came to."""
-    emission = builder.added(parts.emission)
+    emission, transparent = builder.added(parts.emission), builder.added(parts.transparent)
     closures = _merged(parts.closures, builder)
     row = _finite(_row_of(closures, emission, builder), reader)
     if max(row.emission) > 0.0:
         reader.warn(None, _LIGHTS_NOTHING)
-    if _is_row(closures, emission):
+    if transparent is None and _is_row(closures, emission):
         return row, None, ()
     closures = closures or [Closure(BLACK, GGX, np.ones(3, np.float32), {})]
-    program = Program(ops=builder.ops, closures=tuple(closures), emission=emission)
+    program = Program(
+        ops=builder.ops, closures=tuple(closures), emission=emission, transparent=transparent
+    )
     return row, program, builder.requests
 
 
 def _merged(closures: list[Closure], builder) -> list[Closure]:
-    """The same closures; if all are diffuse, one with the sum of their colours."""
-    if not closures or not all(map(is_plain_diffuse, closures)):
+    """The same closures, but one for all diffuse ones, with the sum of their colours."""
+    matte = [closure for closure in closures if is_plain_diffuse(closure)]
+    if len(matte) == 0 or (len(matte) == 1 and len(closures) > 1):
         return closures
-    colors = [builder.run("product", A=c.weight, B=c.params["base_color"]) for c in closures]
+    colors = [builder.run("product", A=c.weight, B=c.params["base_color"]) for c in matte]
     one = np.ones(3, np.float32)
-    return [closures[0]._replace(weight=one, params={"base_color": builder.added(colors)})]
+    whole = matte[0]._replace(weight=one, params={"base_color": builder.added(colors)})
+    return [whole, *(closure for closure in closures if not is_plain_diffuse(closure))]
 
 
 def _is_row(closures, emission) -> bool:
@@ -157,12 +161,11 @@ def _is_row(closures, emission) -> bool:
         return False
     if not closures:
         return True
-    if all(is_constant(c.weight) and c.normal is None for c in closures):
-        weights = [float(np.mean(c.weight)) for c in closures]
-        heaviest = closures[weights.index(max(weights))]
-        whole = np.all(np.minimum(sum(c.weight for c in closures), 1.0) == 1.0)
-        return bool(whole) and all(map(is_constant, heaviest.params.values()))
-    return False
+    if len(closures) > 1 or closures[0].normal is not None:
+        return False
+    closure = closures[0]
+    whole = is_constant(closure.weight) and np.all(np.minimum(closure.weight, 1.0) == 1.0)
+    return bool(whole) and all(map(is_constant, closure.params.values()))
 
 
 def _row_of(closures, emission, builder) -> _Surface:

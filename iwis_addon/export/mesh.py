@@ -25,7 +25,8 @@ class MeshExport(NamedTuple):
 
     materials: evaluated bpy materials or None, row = TriangleMesh.material_index
     material_users: names of the objects that have each material in a slot, in their order
-    object_pass_index, terminator_offset: float32 (n,), row = TriangleMesh.object_index
+    object_pass_index, terminator_offset: float32 (n,), and object_flags: uint8 (n,), as in Scene:
+        row = TriangleMesh.object_index
     inventory: where all came from; kept: bool, of all triangles those of mesh, and
         int32, the objects of all; None: all are in it
     """
@@ -35,6 +36,7 @@ class MeshExport(NamedTuple):
     material_users: list[list[str]]
     object_pass_index: np.ndarray
     terminator_offset: np.ndarray
+    object_flags: np.ndarray
     inventory: Inventory
     kept: tuple[np.ndarray, np.ndarray] | None
 
@@ -139,7 +141,8 @@ def export_mesh(
     parts, instances = inventory.parts, inventory.instances
     pass_index = np.array([instance.pass_index for instance in instances], np.float32)
     lift = np.array([instance.terminator_offset for instance in instances], np.float32)
-    rest = inventory.materials, _material_users(inventory), pass_index, lift
+    flags = np.array([instance.flags for instance in instances], np.uint8)
+    rest = inventory.materials, _material_users(inventory), pass_index, lift, flags
     if cache is None:
         mesh, kept = _merge(inventory, warnings, cancelled)
         return MeshExport(mesh, *rest, inventory, kept)

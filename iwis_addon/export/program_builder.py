@@ -77,6 +77,11 @@ class ProgramBuilder:
         settings = settings_and_inputs.pop("settings", {})
         return self._add(kind, settings_and_inputs, settings, output)
 
+    def run_at_points(self, kind: str, **inputs) -> Value:
+        """The same, of one that depends on the point even where its inputs do not."""
+        self._ops.append(Op(kind, inputs, {}))
+        return Ref(len(self._ops) - 1, "")
+
     def scaled(self, color: Value, factor: Value) -> Value:
         """Colour times number."""
         return self.run("scale", Color=color, Factor=factor)

@@ -23,8 +23,6 @@ _PRINCIPLED_IGNORES = {
     "Thin Wall": (0.0, "the surface is solid"),
     "Diffuse Roughness": (0.0, "rendered as Lambert's"),
     "Subsurface Weight": (0.0, "rendered as diffuse"),
-    "Alpha": (1.0, "rendered as opaque"),
-    "Coat Weight": (0.0, "rendered without coat"),
     "Anisotropic": (0.0, "rendered as isotropic"),
     "Transmission Weight": (0.0, "rendered as opaque"),
     "Sheen Weight": (0.0, "rendered without sheen"),
@@ -45,10 +43,11 @@ def is_plain_diffuse(closure: Closure) -> bool:
 
 @dataclass(slots=True)
 class SurfaceParts:
-    """What a tree of shaders comes to: a sum of closures, and emission."""
+    """What a tree of shaders comes to: sums of closures, of emission, of what passes through."""
 
     closures: list[Closure] = field(default_factory=list)
     emission: list[Value] = field(default_factory=list)
+    transparent: list[Value] = field(default_factory=list)
 
 
 def _conductor(cosine, n, k):
@@ -82,6 +81,7 @@ class ShaderReader:
             "ShaderNodeBsdfAnisotropic": self._glossy,
             "ShaderNodeBsdfMetallic": self._metallic,
             "ShaderNodeEmission": self._emission,
+            "ShaderNodeBsdfTransparent": self._transparent,
             "ShaderNodeMixShader": self._mix,
             "ShaderNodeAddShader": self._add,
             "ShaderNodeHoldout": self._holdout,
@@ -133,6 +133,8 @@ class ShaderReader:
             "specular_level": number(node, "Specular IOR Level", groups),
             "specular_tint": color(node, "Specular Tint", groups),
         }
+        weight = self._alpha(node, groups, weight)
+        weight = self._coat(node, groups, weight)
         strength = number(node, "Emission Strength", groups)
         # A color without strength is not looked at: Blender's default is white.
         if not is_constant(strength, 0.0):
@@ -140,6 +142,47 @@ class ShaderReader:
             self.parts.emission.append(self._times(weight, glow))
         distribution = _DISTRIBUTIONS[node.distribution]
         self._close(node, groups, weight, PRINCIPLED, distribution, **params)
+
+    def _alpha(self, node, groups, weight):
+        """What Principled's alpha leaves of a weight; the rest passes through."""
+        alpha = self._builder.number(node, "Alpha", groups)
+        if is_constant(alpha) and alpha >= 1.0:
+            return weight
+        passing, kept = self._shares(weight, alpha)
+        self.parts.transparent.append(passing)
+        return kept
+
+    def _shares(self, weight, factor):
+        """The two parts of a weight that a Mix Shader gives its first and its second shader."""
+        if is_constant(factor):
+            factor = np.clip(factor, 0.0, 1.0)
+        return [
+            self._builder.run("weigh", Weight=weight, Factor=factor, settings={"second": second})
+            for second in (False, True)
+        ]
+
+    def _coat(self, node, groups, weight):
+        """Add Principled's coat; what it leaves of a weight for all under it."""
+        number, color = self._builder.number, self._builder.color
+        share = number(node, "Coat Weight", groups)
+        if is_constant(share) and share <= 0.0:
+            return weight
+        _, coat = self._shares(weight, share)
+        params = {
+            "base_color": _BLACK,
+            "metallic": np.float32(0.0),
+            "roughness": number(node, "Coat Roughness", groups),
+            "ior": number(node, "Coat IOR", groups),
+            "specular_level": np.float32(0.5),
+            "specular_tint": _WHITE,
+        }
+        normal = self._builder.vector_if_linked(node, "Coat Normal", groups)
+        self.parts.closures.append(Closure(PRINCIPLED, GGX, coat, params, normal))
+        inputs = {"Weight": weight, "Coat": share, "Tint": color(node, "Coat Tint", groups)}
+        inputs |= {"IOR": params["ior"], "Roughness": params["roughness"]}
+        if normal is not None:
+            inputs["Normal"] = normal
+        return self._builder.run_at_points("under_coat", **inputs)
 
     def _distribution(self, node):
         if node.distribution not in _DISTRIBUTIONS:
@@ -200,29 +243,19 @@ class ShaderReader:
         self._warn(node, f"{node.bl_label} is not supported: rendered as Diffuse")
         self._close(node, groups, weight, DIFFUSE, base_color=color)
 
+    def _transparent(self, node, groups, weight):
+        color = self._builder.color(node, "Color", groups)
+        if not is_constant(color) or np.ptp(color) > 0.0:
+            self._warn(node, "a colored Transparent BSDF lets all colors through by its luminance")
+        self.parts.transparent.append(self._times(weight, color))
+
     def _mix(self, node, groups, weight):
         factor = self._builder.number(node, node.inputs[0].name, groups)
-        if is_constant(factor):
-            factor = np.clip(factor, 0.0, 1.0)
-        shares = [
-            self._builder.run("weigh", Weight=weight, Factor=factor, settings={"second": second})
-            for second in (False, True)
-        ]
-        self._both(node, groups, shares)
+        self._both(node, groups, self._shares(weight, factor))
 
     def _add(self, node, groups, weight):
         self._both(node, groups, [weight, weight])
 
     def _both(self, node, groups, weights):
-        """Both inputs: exact for emission and for diffuse ones, else the heavier of each point."""
-        closures, starts = self.parts.closures, []
         for socket, weight in zip(node.inputs[-2:], weights, strict=True):
-            starts.append(len(closures))
             self.read(socket, groups, weight)
-        first, second = closures[starts[0] : starts[1]], closures[starts[1] :]
-        if first and second and not all(map(is_plain_diffuse, first + second)):
-            self._warn(
-                node,
-                f"{node.bl_label} of two surfaces is not supported: at each point only the heavier "
-                f"one is used",
-            )

@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
+from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
 from iwis.iwis_addon.export import ExportCancelled
 from iwis.iwis_addon.export.mesh import export_mesh
 from support.above import BENT, QUADS, add_materials, add_mesh, add_monkey, look_from_above
@@ -249,7 +250,7 @@ def test_hidden_objects_are_left_out(above, tmp_path):
 
 
 def test_what_is_not_rendered_is_named(above):
-    """Lights, hair curves, point clouds, volumes, Grease Pencil, ray visibility, holdouts."""
+    """Lights, hair curves, point clouds, volumes, Grease Pencil."""
     bpy.ops.object.light_add(type="SUN")
     bpy.ops.object.light_add(type="POINT")
     for kind, data in (
@@ -257,15 +258,35 @@ def test_what_is_not_rendered_is_named(above):
         ("Cloud", bpy.data.volumes.new("v")),
     ):
         above.collection.objects.link(bpy.data.objects.new(kind, data))
-    add_mesh(above, BENT, QUADS, "Shy").visible_camera = False
-    add_mesh(above, BENT, QUADS, "Hole").is_holdout = True
     assert sorted(export_as_render(above).warnings) == [
-        "Holdout and shadow catcher are ignored, rendered as is: Hole",
         "Not rendered, hair curves are not supported: Curves",
         "Not rendered, volumes are not supported: Cloud",
         "Only the world lights the scene, lights are ignored: Sun, Point",
-        "Ray visibility is ignored, camera and shadow rays see: Shy",
     ]
+
+
+def test_flags_of_objects(above):
+    """Who sees an object, and how: flags, one an object."""
+    changes = {
+        "Shy": ("visible_camera", False),
+        "Pale": ("visible_shadow", False),
+        "Hole": ("is_holdout", True),
+        "Ground": ("is_shadow_catcher", True),
+    }
+    for name, (setting, value) in changes.items():
+        setattr(add_mesh(above, BENT, QUADS, name), setting, value)
+    add_mesh(above, BENT, QUADS, "Plain")
+    mesh = export_as_render(above)
+    both = CAMERA_RAYS | SHADOW_RAYS
+    wanted = {
+        "Shy": SHADOW_RAYS,
+        "Pale": CAMERA_RAYS,
+        "Hole": both | HOLDOUT,
+        "Ground": both | SHADOW_CATCHER,
+        "Plain": both,
+    }
+    found = {i.name: i.flags for i in mesh.geometry.inventory.instances if i.name in wanted}
+    assert found == wanted
 
 
 def test_cancel_stops_the_export(above):

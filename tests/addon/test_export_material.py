@@ -1,11 +1,13 @@
 """Materials of the open file: what each node means."""
 
 import bpy
+import numpy as np
 import pytest
 
+from iwis.core.program import Ref
 from iwis.core.scene import BECKMANN, BLACK, DIFFUSE, GGX, GLOSSY, MULTI_GGX, PRINCIPLED
 from iwis.iwis_addon.export.material import export_materials, export_shaders
-from support.material_builds import Build, about, exported, only
+from support.material_builds import Build, about, exported, only, program_of
 
 LIGHTS_NOTHING = ['material "M": its emission is seen by the camera, but lights nothing else']
 
@@ -105,7 +107,7 @@ def test_emission_and_its_sums(build):
 
 
 def test_mix_of_surfaces(build):
-    """Two diffuse are one; a share of 0 or 1 takes one side; else the heavier, with a warning."""
+    """Two diffuse are one; a share of 0 or 1 takes one side; else there are two closures."""
     red = build.node("ShaderNodeBsdfDiffuse", Color=(1, 0, 0, 1))
     blue = build.node("ShaderNodeBsdfDiffuse", Color=(0, 0, 1, 1))
     gloss = build.node("ShaderNodeBsdfGlossy", Color=(0, 1, 0, 1))
@@ -116,8 +118,11 @@ def test_mix_of_surfaces(build):
     assert only(build.surface(mix))[0]["base_color"] == [0.75, 0.0, 0.25]
     build.link(gloss.outputs[0], mix.inputs[2])
     row, warnings = only(build)
-    assert row["model"] == DIFFUSE and row["base_color"] == [1.0, 0.0, 0.0]
-    assert len(warnings) == 1 and 'material "M", node "Mix": ' in warnings[0]
+    assert row["model"] == DIFFUSE and row["base_color"] == [1.0, 0.0, 0.0]  # for mode PAPER
+    assert warnings == []
+    first, second = program_of(build).closures
+    assert (first.model, second.model) == (DIFFUSE, GLOSSY)
+    np.testing.assert_allclose([first.weight, second.weight], [[0.75] * 3, [0.25] * 3])
     mix.inputs[0].default_value = 1.0
     row, warnings = only(build)
     assert row["model"] == GLOSSY and warnings == []
@@ -204,3 +209,44 @@ def test_material_without_nodes(scene):
         assert (rows[0]["model"], rows[0]["base_color"]) == (DIFFUSE, [0.5, 0.25, 0.125])
     else:
         assert rows[0]["model"] == PRINCIPLED
+
+
+def test_alpha_and_transparent_shaders_let_light_through(build):
+    """Principled's alpha and a share of Transparent add up; what is left reflects and glows."""
+    paint = build.node(
+        "ShaderNodeBsdfPrincipled",
+        Alpha=0.25,
+        Emission_Strength=1.0,
+        Emission_Color=(0.0, 1.0, 0.0, 1.0),
+    )
+    clear = build.node("ShaderNodeBsdfTransparent")
+    mix = build.node("ShaderNodeMixShader", links=[(1, paint.outputs[0]), (2, clear.outputs[0])])
+    mix.inputs[0].default_value = 0.5
+    _, warnings = only(build.surface(mix))
+    assert [line for line in warnings if "lights nothing" not in line] == []
+    program = program_of(build)
+    np.testing.assert_allclose(program.transparent, [0.5 * 0.75 + 0.5] * 3)
+    np.testing.assert_allclose(program.closures[0].weight, [0.125] * 3)
+    np.testing.assert_allclose(program.emission, [0.0, 0.125, 0.0])
+
+
+def test_opaque_alpha_needs_no_program(build):
+    node = build.node("ShaderNodeBsdfPrincipled", Alpha=1.0)
+    only(build.surface(node))
+    assert program_of(build) is None
+
+
+def test_colored_transparency_is_told(build):
+    clear = build.node("ShaderNodeBsdfTransparent", "T", Color=(1.0, 0.5, 0.2, 1.0))
+    _, warnings = only(build.surface(clear))
+    assert len(warnings) == 1 and 'node "T"' in warnings[0] and "luminance" in warnings[0]
+
+
+def test_coat_lies_over_the_rest(build):
+    """Its own closure, first; what is under it gets the weight that the coat leaves."""
+    node = build.node("ShaderNodeBsdfPrincipled", Coat_Weight=0.5, Coat_Roughness=0.2, Coat_IOR=1.6)
+    assert only(build.surface(node))[1] == []
+    coat, base = program_of(build).closures
+    np.testing.assert_allclose(coat.weight, [0.5] * 3)
+    np.testing.assert_allclose([coat.params["roughness"], coat.params["ior"]], [0.2, 1.6])
+    assert not coat.params["base_color"].any() and isinstance(base.weight, Ref)

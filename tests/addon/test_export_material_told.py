@@ -26,7 +26,6 @@ def test_warnings_name_objects(build, users, where):
 
 
 OTHERS = {
-    "ShaderNodeBsdfTransparent": DIFFUSE,
     "ShaderNodeBsdfTranslucent": DIFFUSE,
     "ShaderNodeBsdfGlass": GLOSSY,
     "ShaderNodeBsdfRefraction": GLOSSY,
@@ -52,12 +51,10 @@ def test_unsupported_shader_is_never_black_without_a_word(build, kind):
 
 
 IGNORED = {
-    "Alpha": 0.5,
     "Diffuse Roughness": 0.5,
     "Subsurface Weight": 0.5,
     "Anisotropic": 0.5,
     "Transmission Weight": 1.0,
-    "Coat Weight": 0.5,
     "Sheen Weight": 0.5,
     "Thin Film Thickness": 100.0,
 }

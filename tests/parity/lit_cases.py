@@ -4,24 +4,32 @@ from .cases import lit
 from .scene import picture
 
 
-def _image(tree):
+def image_of(tree):
+    """The colours of a small image, laid on by UV."""
     return tree.made("ShaderNodeTexImage", 0, {0: tree.coordinates("UV")}, image=picture())
 
 
-def _noise(tree):
+def noise_of(tree):
+    """The factor of a noise texture."""
     return tree.made("ShaderNodeTexNoise", 0, {"Vector": tree.coordinates(), "Scale": 3.0})
 
 
-def _principled(**inputs):
+def _made(value, tree):
+    return value(tree) if callable(value) else value
+
+
+def principled(**inputs):
+    """A maker of a Principled BSDF; inputs: by name, spaces as _: values, or makers of outputs."""
+
     def make(tree):
-        made = {name.replace("_", " "): value(tree) for name, value in inputs.items()}
+        made = {name.replace("_", " "): _made(value, tree) for name, value in inputs.items()}
         return tree.made("ShaderNodeBsdfPrincipled", 0, made)
 
     return make
 
 
 def _bump(tree):
-    return tree.made("ShaderNodeBump", 0, {"Height": _noise(tree), "Distance": 0.2})
+    return tree.made("ShaderNodeBump", 0, {"Height": noise_of(tree), "Distance": 0.2})
 
 
 def _normal_map(tree):
@@ -35,18 +43,18 @@ def _masked_diffuse(tree):
 
 
 def _glow_over_paint(tree):
-    light = tree.made("ShaderNodeEmission", 0, {"Color": _image(tree)})
+    light = tree.made("ShaderNodeEmission", 0, {"Color": image_of(tree)})
     paint = tree.made("ShaderNodeBsdfPrincipled", 0, {"Base Color": (0.3, 0.5, 0.2)})
     return tree.made("ShaderNodeMixShader", 0, {0: tree.axis("X"), 1: paint, 2: light})
 
 
-lit("Diffuse, image", lambda t: t.made("ShaderNodeBsdfDiffuse", 0, {"Color": _image(t)}))
-lit("Principled, image", _principled(Base_Color=_image))
-lit("Principled, roughness varies", _principled(Roughness=lambda t: t.axis("X", 0.1, 0.9)))
-lit("Principled, metallic varies", _principled(Metallic=lambda t: t.axis("Z"), Base_Color=_image))
-lit("Principled, specular varies", _principled(Specular_IOR_Level=_noise))
-lit("Principled, bump", _principled(Normal=_bump))
-lit("Principled, normal map", _principled(Normal=_normal_map))
+lit("Diffuse, image", lambda t: t.made("ShaderNodeBsdfDiffuse", 0, {"Color": image_of(t)}))
+lit("Principled, image", principled(Base_Color=image_of))
+lit("Principled, roughness varies", principled(Roughness=lambda t: t.axis("X", 0.1, 0.9)))
+lit("Principled, metallic varies", principled(Metallic=lambda t: t.axis("Z"), Base_Color=image_of))
+lit("Principled, specular varies", principled(Specular_IOR_Level=noise_of))
+lit("Principled, bump", principled(Normal=_bump))
+lit("Principled, normal map", principled(Normal=_normal_map))
 lit(
     "Glossy, roughness varies",
     lambda t: t.made("ShaderNodeBsdfGlossy", 0, {"Roughness": t.axis("Z", 0.15, 0.8)}),

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.material import export_materials
+from iwis.iwis_addon.export.material import export_materials, export_shaders
 
 
 class Build:
@@ -62,3 +62,8 @@ def only(build):
 
 def about(values):
     return pytest.approx(values, rel=1e-6)  # float32
+
+
+def program_of(build):
+    """The one program, or None."""
+    return export_shaders([build.material], []).programs[0]

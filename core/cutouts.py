@@ -1,0 +1,109 @@
+"""Surfaces that let a part of the rays through: leaves, fences, mixtures with Transparent BSDF.
+
+Whether a ray goes on is drawn, with the share that the material lets through as probability; so a
+ray is never split, and shadow rays stay yes or no. What does not let a ray through is brighter by
+the inverse of the probability of that (docs/decisions/0022-closures-and-cut-outs.md).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .nodes import Evaluation, ShadeContext
+from .program import Program
+from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
+from .scene import Scene
+from .shading import ShadingPoints, shading_points
+
+# Surfaces that a ray goes through; the next one is opaque. Cycles' own limit is 8, and black.
+MOST_LAYERS = 64
+_GOLDEN = 0.6180339887498949
+LUMINANCE = np.float32([LUMINANCE_R, LUMINANCE_G, LUMINANCE_B])
+# Above, a surface that is drawn all the same is not made brighter: there is nothing to be seen.
+_ALL = np.float32(0.9999)
+
+
+def cut_materials(scene: Scene) -> np.ndarray | None:
+    """bool, one a material: whether rays may go through; None: all are opaque."""
+    if scene.shaders is None:
+        return None
+    cut = [p is not None and p.transparent is not None for p in scene.shaders.programs]
+    return np.array(cut, np.bool_) if any(cut) else None
+
+
+def opacity_gain(program: Program, evaluation: Evaluation, n: int) -> np.ndarray | np.float32:
+    """Factor of what a surface shows where it has stopped a ray: float32 (n, 1), or 1."""
+    if program.transparent is None:
+        return np.float32(1.0)
+    passing = passing_share(program, evaluation)
+    return np.where(passing < _ALL, 1.0 / (1.0 - np.minimum(passing, _ALL)), 1.0)[:, None]
+
+
+def passing_shares(scene: Scene, points: ShadingPoints, shadow: bool = False) -> np.ndarray:
+    """float32 (n,): the probability that a ray goes on at each of its points.
+
+    shadow: whether they are shadow rays, which a material may be told (Light Path)
+    """
+    shares = np.zeros(len(points.pixel), np.float32)
+    rows = scene.mesh.material_index[points.triangle]
+    for row in np.unique(rows):
+        program = scene.shaders.programs[row]
+        if program is not None and program.transparent is not None:
+            which = np.flatnonzero(rows == row)
+            context = ShadeContext.of_points(scene, points.at(which), shadow)
+            shares[which] = passing_share(program, Evaluation(program, context))
+    return shares
+
+
+def passing_share(program: Program, evaluation: Evaluation) -> np.ndarray:
+    """float32 (n,): the probability that a ray goes on, at the points of an evaluation."""
+    return np.clip(evaluation.vector(program.transparent) @ LUMINANCE, 0.0, 1.0)
+
+
+def points_through(
+    scene: Scene, accel, origins: np.ndarray, directions: np.ndarray, dither: np.ndarray | None
+) -> ShadingPoints:
+    """The points where camera rays end; ``pixel`` is the row of the ray, ascending.
+
+    dither: float (n,) in [0, 1): a ray goes on where it is below the share that passes, and a new
+        one follows for the next surface; None: where half or more passes
+    """
+    hit, u, v = accel.intersect(origins, directions)
+    offsets = scene.terminator_offset
+    points = shading_points(scene.mesh, hit, u, v, directions, offsets)
+    if cut_materials(scene) is None:
+        return points
+    ended = []
+    for layer in range(MOST_LAYERS):
+        passing = passing_shares(scene, points)
+        number = 0.5 if dither is None else (dither[points.pixel] + layer * _GOLDEN) % 1.0
+        goes = number < passing
+        ended.append(points.at(~goes))
+        points = points.at(goes)
+        if not len(points.pixel):
+            break
+        rays = points.pixel
+        starts, onward = behind(points, accel.offset)
+        hit, u, v = accel.intersect(starts, onward)
+        points = shading_points(scene.mesh, hit, u, v, onward, offsets)
+        points = points._replace(pixel=rays[points.pixel])
+    ended.append(points)
+    found = ShadingPoints(*map(np.concatenate, zip(*ended, strict=True)))
+    return found.at(np.argsort(found.pixel, kind="stable"))
+
+
+def behind(points: ShadingPoints, offset: float) -> tuple[np.ndarray, np.ndarray]:
+    """Where rays go on behind the points that they have met: origins and directions."""
+    return points.position - np.float32(offset) * points.geometric_normal, -points.wo
+
+
+def drawn_numbers(u: np.ndarray, v: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """float64 (n,) in [0, 1): a hash of hits, the same for the same ray on every machine."""
+    mixed = u.view(np.uint32) * np.uint32(0x9E3779B1) ^ v.view(np.uint32)
+    for axis in range(3):
+        bits = np.ascontiguousarray(directions[:, axis]).view(np.uint32)
+        mixed = (mixed ^ bits) * np.uint32(0x85EBCA6B)
+        mixed ^= mixed >> np.uint32(15)
+    mixed *= np.uint32(0xC2B2AE35)
+    mixed ^= mixed >> np.uint32(16)
+    return mixed / 4294967296.0

@@ -1,0 +1,100 @@
+"""Embree's question at each hit of a shadow ray: does it end here?
+
+Called by Embree itself, for one ray or a packet, in any thread. The answer is that of grids
+(opacity.py makes them); between 0 and 1 it is drawn, by a hash of the ray, so that it is the same
+in every run.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from ._jit import c_callback, kernel
+from .embree_rays import get_byte, get_float, get_int, get_word, put_int
+
+_ONE = np.float32(1.0)
+_DIRECTION, _U, _V, _TRIANGLE = 4, 3, 4, 5  # rows of RTCRayN and RTCHitN
+
+
+class Opacity(NamedTuple):
+    """Grids of a mesh's triangles.
+
+    row: int32 (triangles,), which grid; -1: opaque
+    start: int64 (grids,), where each begins in values; side: int32 (grids,), R
+    values: uint8, of 255 what passes at the corners: for each step v, R + 1 - v of them along u
+    """
+
+    row: np.ndarray
+    start: np.ndarray
+    side: np.ndarray
+    values: np.ndarray
+
+    def same(self, other: Opacity | None) -> bool:
+        """Whether two are equal."""
+        return other is not None and all(map(np.array_equal, self, other))
+
+
+class ShadowFilter:
+    """What Embree is given with a mesh: the address of a function, and of what it reads."""
+
+    def __init__(self, opacity: Opacity):
+        self._arrays = tuple(np.ascontiguousarray(array) for array in opacity)
+        self._places = (ctypes.c_size_t * 4)(*(a.ctypes.data for a in self._arrays))
+        self.function, self.data = let_through.address, ctypes.addressof(self._places)
+
+
+@kernel
+def _passes(values, start, side, u, v):
+    """float32, of 255: what a grid lets through at (u, v)."""
+    x, y = u * np.float32(side), v * np.float32(side)
+    column, row = min(int(x), side - 1), min(int(y), side - 1)
+    row = max(min(row, side - 1 - column), 0)
+    x, y = x - np.float32(column), y - np.float32(row)
+    below = start + row * (side + 1) - row * (row - 1) // 2 + column
+    above = below + side + 1 - row
+    right, up = np.float32(get_byte(values + below + 1)), np.float32(get_byte(values + above))
+    if x + y <= _ONE or column + row + 1 >= side:
+        here = np.float32(get_byte(values + below))
+        return here + x * (right - here) + y * (up - here)
+    there = np.float32(get_byte(values + above + 1))
+    return there + (_ONE - x) * (up - there) + (_ONE - y) * (right - there)
+
+
+@kernel
+def _drawn(ray, hit, row, u, v):
+    """float32 in [0, 255): a hash of a ray and its hit."""
+    mixed = np.uint32(get_int(hit + _U * row)) * np.uint32(0x9E3779B1)
+    mixed = np.uint32(mixed ^ np.uint32(get_int(hit + _V * row)))
+    for axis in range(3):
+        bits = np.uint32(get_int(ray + (_DIRECTION + axis) * row))
+        mixed = np.uint32(np.uint32(mixed ^ bits) * np.uint32(0x85EBCA6B))
+        mixed = np.uint32(mixed ^ np.uint32(mixed >> np.uint32(15)))
+    mixed = np.uint32(mixed * np.uint32(0xC2B2AE35))
+    mixed = np.uint32(mixed ^ np.uint32(mixed >> np.uint32(16)))
+    return np.float32(mixed >> np.uint32(8)) * np.float32(255.0 / 16777216.0)
+
+
+@c_callback(numba.types.void(numba.types.intp))
+def let_through(arguments):
+    """RTCFilterFunctionN: clears the lanes whose ray goes on."""
+    valid, grids = get_word(arguments), get_word(arguments + 8)
+    rays, hits = get_word(arguments + 24), get_word(arguments + 32)
+    row = 4 * get_int(arguments + 40)
+    rows, starts = get_word(grids), get_word(grids + 8)
+    sides, values = get_word(grids + 16), get_word(grids + 24)
+    for lane in range(0, row, 4):
+        if get_int(valid + lane) == 0:
+            continue
+        hit = hits + lane
+        grid = get_int(rows + 4 * get_int(hit + _TRIANGLE * row))
+        if grid < 0:
+            continue
+        start, side = get_word(starts + 8 * grid), get_int(sides + 4 * grid)
+        u, v = get_float(hit + _U * row), get_float(hit + _V * row)
+        passing = _passes(values, start, side, u, v)
+        if passing > np.float32(0.0) and _drawn(rays + lane, hit, row, u, v) < passing:
+            put_int(valid + lane, 0)

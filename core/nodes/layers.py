@@ -1,0 +1,52 @@
+"""What a layer on top leaves over for those under it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..lobe_setup import setup_lobes
+from ..scene import GGX, PRINCIPLED, MaterialParams
+from .values import as_number, as_vector, column, dot
+
+_LEAST_IOR = np.float32(1.0)
+
+
+def _albedo(context, ior, roughness, normal) -> np.ndarray:
+    """float32 (n,): of all light, what a clear coat reflects to the viewer."""
+    n = len(context)
+    white, black = np.ones((n, 3), np.float32), np.zeros((n, 3), np.float32)
+    coat = MaterialParams(
+        model=np.full(n, PRINCIPLED, np.int8),
+        distribution=np.full(n, GGX, np.int8),
+        base_color=black,
+        metallic=np.zeros(n, np.float32),
+        roughness=roughness,
+        ior=ior,
+        specular_level=np.full(n, 0.5, np.float32),
+        specular_tint=white,
+        emission=black,
+    )
+    lobes = setup_lobes(coat, normal, context.geometric_normal, context.wo)
+    return lobes.glossy_color.max(axis=1)
+
+
+def under_coat(context, settings, inputs):
+    """Weight of what lies under the coat of a Principled BSDF, as Cycles has it.
+
+    The coat takes its own albedo away; its tint is that of light along the normal, and deeper where
+    the way through the coat is longer.
+    """
+    n = len(context)
+    share = np.clip(as_number(inputs["Coat"], n), 0.0, 1.0)
+    ior, roughness = as_number(inputs["IOR"], n), as_number(inputs["Roughness"], n)
+    normal = as_vector(inputs.get("Normal", context.normal), n)
+    left = np.clip(1.0 - share * _albedo(context, ior, roughness, normal), 0.0, 1.0)
+    cosine = dot(context.wo, normal)
+    sine2 = (1.0 - cosine * cosine) / np.maximum(ior, _LEAST_IOR) ** 2
+    depth = 1.0 / np.sqrt(np.maximum(1.0 - sine2, 1e-6))
+    tint = np.maximum(as_vector(inputs["Tint"], n), 0.0) ** column(depth)
+    tint = 1.0 + (tint - 1.0) * column(share)
+    return {"": as_vector(inputs["Weight"], n) * column(left) * tint}
+
+
+FUNCTIONS = {"under_coat": under_coat}

@@ -1,0 +1,162 @@
+"""What cut-outs let through, on a grid over each triangle: so that a shadow ray can ask Embree.
+
+A leaf is a card with an image of its alpha. Its program is evaluated once, at the corners of R^2
+small triangles on each triangle, about as far apart as the texels that it looks up; triangles
+that look up the same texels share a grid. Embree's filter (embree_filter.py) interpolates between
+the corners. What depends on the ray (Fresnel, Backfacing, ...) has no such grid
+(docs/decisions/0022-closures-and-cut-outs.md).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .cutouts import passing_share
+from .embree_filter import Opacity
+from .nodes import Evaluation, ShadeContext
+from .nodes.values import normalized
+from .program import Program, Ref
+from .scene import Scene
+
+# Grids are as fine as this at the most, and take no more bytes than this in all.
+FINEST = 512
+MOST_BYTES = 256 << 20
+# Steps along an edge where no image says how fine the pattern is.
+_PROCEDURAL = 64
+_POINTS_AT_ONCE = 1 << 18
+_OF_RAYS = ("ShaderNodeFresnel", "ShaderNodeLayerWeight", "under_coat")
+_RAY_OUTPUTS = {"Incoming", "Backfacing", "Ray Length", "Ray Depth", "Transparent Depth"}
+# Kinds that look at nothing but values at the corners; images do if their coordinates do.
+_OF_CORNERS = ("ShaderNodeUVMap", "ShaderNodeVertexColor", "ShaderNodeAttribute")
+
+
+def can_bake(program: Program) -> bool:
+    """Whether what passes is a matter of the place alone, and not of the ray."""
+    for op in _ops_behind(program, program.transparent):
+        if op.kind in _OF_RAYS or _RAY_OUTPUTS & op.settings.get("outputs", set()):
+            return False
+    return True
+
+
+def _ops_behind(program: Program, value) -> list:
+    """The operations that a value depends on."""
+    found, todo = {}, [value]
+    while todo:
+        value = todo.pop()
+        if isinstance(value, Ref) and value.op not in found:
+            found[value.op] = program.ops[value.op]
+            todo.extend(program.ops[value.op].inputs.values())
+    return list(found.values())
+
+
+def bake_opacity(scene: Scene, triangles: np.ndarray) -> Opacity:
+    """Grids for some triangles, bool (m,), whose materials have programs that can be baked."""
+    materials = scene.mesh.material_index
+    row = np.full(len(materials), -1, np.int32)
+    sides, values, room = [np.zeros(0, np.int32)], [np.zeros(0, np.uint8)], MOST_BYTES
+    n = 0
+    for material in np.unique(materials[triangles]):
+        program = scene.shaders.programs[material]
+        which = np.flatnonzero(triangles & (materials == material)).astype(np.int32)
+        first, again = _shared(scene, program, which)
+        side = _sides(scene, program, which[first], room)
+        order = np.argsort(side, kind="stable")
+        place = np.empty(len(order), np.int32)
+        place[order] = np.arange(len(order))
+        row[which] = n + place[again]
+        first, side = first[order], side[order]
+        for size in np.unique(side):
+            grids = _grids(scene, program, which[first[side == size]], int(size))
+            values.append(grids.ravel())
+            room -= grids.size
+        sides.append(side)
+        n += len(side)
+    side = np.concatenate(sides)
+    sizes = _corners(side.astype(np.int64))
+    return Opacity(row, np.cumsum(sizes) - sizes, side, np.concatenate(values))
+
+
+def _context(scene: Scene, triangle, barycentric) -> ShadeContext:
+    """Places on triangles, met by a shadow ray from straight above."""
+    mesh, shaders = scene.mesh, scene.shaders
+    u, v = barycentric[:, :1], barycentric[:, 1:]
+    weights = 1.0 - u - v, u, v
+    a, b, c = (mesh.vertices[corner] for corner in mesh.triangles[triangle].T)
+    position = sum(w * corner for w, corner in zip(weights, (a, b, c), strict=True))
+    normals = mesh.corner_normals[triangle]
+    normal = normalized(sum(w * normals[:, k] for k, w in enumerate(weights)))
+    face = normalized(np.cross(b - a, c - a))
+    own = shaders.material_pass_index, triangle, barycentric, position, face, normal, face, True
+    return ShadeContext(mesh, shaders.surface, scene.camera, *own)
+
+
+def _shared(scene: Scene, program: Program, which) -> tuple[np.ndarray, np.ndarray]:
+    """(rows of ``which`` that have a grid of their own, for each of which the grid that it has)."""
+    ops = _ops_behind(program, program.transparent)
+    alone = np.arange(len(which))
+    if not all(_is_of_corners(op) for op in ops):
+        return alone, alone
+    surface = scene.shaders.surface
+    rows = surface.row[which]
+    columns = [surface.mirrored[scene.mesh.object_index[which]][:, None], (rows < 0)[:, None]]
+    columns += [table[rows].reshape(len(rows), -1) for table in surface.tables.values()]
+    keys = np.concatenate([np.asarray(c, np.float32) for c in columns], axis=1)
+    _, first, again = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    return first, again.ravel().astype(np.int32)
+
+
+def _is_of_corners(op) -> bool:
+    outputs = op.settings.get("outputs", set())
+    if op.kind == "ShaderNodeTexCoord":
+        return outputs <= {"UV"} and "world_to_object" not in op.settings
+    if op.kind == "ShaderNodeTexImage":
+        return op.settings["projection"] == "FLAT"
+    if op.kind.startswith("ShaderNodeTex") and "Vector" not in op.inputs:
+        return False
+    return op.kind in _OF_CORNERS or "outputs" not in op.settings or not op.settings["outputs"]
+
+
+def _sides(scene: Scene, program: Program, triangles, room: int) -> np.ndarray:
+    """int32 (n,): R of each grid, a power of two, by the texels that its images have there."""
+    n = len(triangles)
+    corners = np.tile(np.float32([[0, 0], [1, 0], [0, 1]]), (n, 1))
+    context = _context(scene, np.repeat(triangles, 3), corners)
+    evaluation, wanted, images = Evaluation(program, context), np.ones(n), False
+    ops = _ops_behind(program, program.transparent)
+    for op in ops:
+        if op.kind == "ShaderNodeTexImage" and op.settings["image"] is not None:
+            images = True
+            size = max(max(t.shape[:2]) for t in op.settings["image"].tiles.values())
+            vector = op.inputs.get("Vector")
+            place = context.uv() if vector is None else evaluation.vector(vector)
+            spread = np.ptp(place.reshape(n, 3, 3), axis=1).max(axis=1)
+            wanted = np.maximum(wanted, np.nan_to_num(spread) * size)
+        elif op.kind.startswith("ShaderNodeTex") and op.kind != "ShaderNodeTexCoord":
+            wanted = np.maximum(wanted, _PROCEDURAL)
+    if not images and any(op.settings.get("outputs") for op in ops):
+        wanted = np.maximum(wanted, _PROCEDURAL)
+    side = 2.0 ** np.ceil(np.log2(np.clip(wanted, 1.0, FINEST)))
+    while _corners(side).sum() > room and side.max() > 1.0:
+        side = np.maximum(side / 2.0, 1.0)
+    return side.astype(np.int32)
+
+
+def _corners(side):
+    """Of the small triangles of a grid."""
+    return (side + 1) * (side + 2) // 2
+
+
+def _grids(scene: Scene, program: Program, triangles, side: int) -> np.ndarray:
+    """uint8 (n, corners): what passes at the corners of the small triangles of n triangles."""
+    v, u = np.divmod(np.arange((side + 1) ** 2), side + 1)
+    inside = u + v <= side
+    places = (np.stack([u, v], -1)[inside] / side).astype(np.float32)
+    many = np.repeat(triangles, len(places))
+    out = np.empty(len(many), np.uint8)
+    step = max(_POINTS_AT_ONCE // len(places), 1) * len(places)
+    for first in range(0, len(many), step):
+        some = many[first : first + step]
+        context = _context(scene, some, np.tile(places, (len(some) // len(places), 1)))
+        passing = passing_share(program, Evaluation(program, context))
+        out[first : first + step] = np.rint(passing * 255.0)
+    return out.reshape(len(triangles), len(places))

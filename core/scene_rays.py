@@ -1,0 +1,138 @@
+"""Rays of a scene in which not all see the same: cut-outs, and objects hidden from some rays.
+
+There is a hierarchy for each set of triangles that some kind of ray asks for: those that the camera
+sees; of those that throw a shadow, the ones that Embree answers for alone, and the others, whose
+hits are looked at one by one.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from .accel import MISS, Accel
+from .cutouts import MOST_LAYERS, behind, cut_materials, drawn_numbers, passing_shares
+from .embree import can_filter
+from .embree_filter import Opacity
+from .opacity import bake_opacity, can_bake
+from .scene import CAMERA_RAYS, SHADOW_RAYS, Scene, TriangleMesh
+from .shading import shading_points
+
+
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
+class RayMasks:
+    """Who sees which triangles, bool, one each.
+
+    camera: what the camera sees
+    solid: what throws a shadow that Embree knows of, opaque or with a grid of ``opacity``
+    cut: what throws a shadow and is looked at hit by hit
+    """
+
+    camera: np.ndarray
+    solid: np.ndarray
+    cut: np.ndarray
+    opacity: Opacity | None
+
+    def same(self, other: RayMasks) -> bool:
+        """Whether two are equal."""
+        pairs = ((getattr(self, f), getattr(other, f)) for f in ("camera", "solid", "cut"))
+        if not all(np.array_equal(a, b) for a, b in pairs):
+            return False
+        return self.opacity is other.opacity or (
+            self.opacity is not None and self.opacity.same(other.opacity)
+        )
+
+
+def ray_masks(scene: Scene) -> RayMasks | None:
+    """Who sees which triangles; None: all rays see all of them, and nothing lets rays through."""
+    materials, objects = cut_materials(scene), scene.object_flags
+    all_rays = CAMERA_RAYS | SHADOW_RAYS
+    if materials is None and (objects is None or (objects & all_rays == all_rays).all()):
+        return None
+    mesh = scene.mesh
+    every = np.ones(len(mesh.triangles), np.bool_)
+    flags = None if objects is None else objects[mesh.object_index]
+    camera, shadow = (
+        every if flags is None else (flags & kind) != 0 for kind in (CAMERA_RAYS, SHADOW_RAYS)
+    )
+    if materials is None:
+        return RayMasks(camera, shadow, ~every, None)
+    programs = scene.shaders.programs
+    able = can_filter()
+    baked = [able and cut and can_bake(p) for cut, p in zip(materials, programs, strict=True)]
+    cut = materials[mesh.material_index]
+    with_grid = shadow & np.array(baked)[mesh.material_index]
+    opacity = bake_opacity(scene, with_grid) if with_grid.any() else None
+    return RayMasks(camera, shadow & (~cut | with_grid), shadow & cut & ~with_grid, opacity)
+
+
+class PartAccel:
+    """The hierarchy of some of a mesh's triangles."""
+
+    def __init__(self, mesh: TriangleMesh, mask: np.ndarray, cancelled, opacity=None):
+        self.rows = None if mask.all() else np.flatnonzero(mask).astype(np.int32)
+        if self.rows is not None:
+            mesh = TriangleMesh(
+                vertices=mesh.vertices,
+                triangles=mesh.triangles[self.rows],
+                corner_normals=mesh.corner_normals[self.rows],
+                material_index=mesh.material_index[self.rows],
+                object_index=mesh.object_index[self.rows],
+            )
+            if opacity is not None:
+                opacity = opacity._replace(row=opacity.row[self.rows])
+        self.accel = Accel(mesh, cancelled, opacity)
+
+    def intersect(self, origins, directions):
+        """See Accel; triangles are counted as in the whole mesh."""
+        hit, u, v = self.accel.intersect(origins, directions)
+        if self.rows is not None and len(self.rows):
+            hit = np.where(hit >= 0, self.rows[hit], np.int32(MISS))
+        return hit, u, v
+
+
+class RayParts:
+    """The hierarchies that masks ask for; equal ones are built once."""
+
+    def __init__(self, mesh: TriangleMesh, masks: RayMasks, cancelled=lambda: False):
+        self.mesh, self.masks = mesh, masks
+        self.solid = PartAccel(mesh, masks.solid, cancelled, masks.opacity)
+        same = np.array_equal(masks.camera, masks.solid)
+        self.camera = self.solid if same else PartAccel(mesh, masks.camera, cancelled)
+        self.cut = PartAccel(mesh, masks.cut, cancelled) if masks.cut.any() else None
+
+
+class SceneRays:
+    """What a render asks of an Accel, for one scene and its materials."""
+
+    def __init__(self, scene: Scene, parts: RayParts):
+        self._scene, self._parts = scene, parts
+        self.mesh, self.offset = scene.mesh, parts.camera.accel.offset
+        self.traversal = parts.solid.accel.traversal
+        self.by_rays = parts.cut is not None
+
+    def intersect(self, origins: np.ndarray, directions: np.ndarray):
+        """The nearest hits that the camera sees; see Accel."""
+        return self._parts.camera.intersect(origins, directions)
+
+    def occluded(self, origins: np.ndarray, directions: np.ndarray, out=None) -> np.ndarray:
+        """Whether a ray ends at anything that throws a shadow; see Accel."""
+        out = self._parts.solid.accel.occluded(origins, directions, out)
+        if self._parts.cut is None:
+            return out
+        rays = np.flatnonzero(~out)
+        origins, directions = origins[rays], directions[rays]
+        for _ in range(MOST_LAYERS):
+            hit, u, v = self._parts.cut.intersect(origins, directions)
+            points = shading_points(self._scene.mesh, hit, u, v, directions)
+            if not len(points.pixel):
+                return out
+            met, rays = points.pixel, rays[points.pixel]
+            passing = passing_shares(self._scene, points, shadow=True)
+            goes = drawn_numbers(u[met], v[met], directions[met]) < passing
+            out[rays[~goes]] = True
+            rays = rays[goes]
+            origins, directions = behind(points.at(goes), self.offset)
+        out[rays] = True
+        return out

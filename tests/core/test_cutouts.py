@@ -1,0 +1,174 @@
+"""Surfaces that let rays through: cutouts.py, opacity.py, embree_filter.py, scene_rays.py."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import iwis.core.scene_rays as scene_rays
+from iwis.core.accel import Accel
+from iwis.core.embree_filter import Opacity
+from iwis.core.opacity import bake_opacity
+from iwis.core.program import Closure, Op, Program, Ref
+from iwis.core.render_cache import RenderCache
+from iwis.core.scene import CAMERA_RAYS, DIFFUSE, GGX, SHADOW_RAYS
+from support.programs import with_programs
+from support.scenes import (
+    camera_at,
+    constant_world,
+    diffuse,
+    floor,
+    make_mesh,
+    make_picture,
+    make_scene,
+    quad,
+)
+
+_ONE = np.ones(3, np.float32)
+_POSITION = Op("ShaderNodeNewGeometry", {}, {"outputs": {"Position"}})
+_HALF = Op("ShaderNodeSeparateXYZ", {"Vector": Ref(0, "Position")}, {})
+_STEP = Op(
+    "ShaderNodeMath",
+    {"Value": Ref(1, "X"), "Value_001": np.float32(0.0)},
+    {"operation": "GREATER_THAN", "use_clamp": False},
+)
+_AS_COLOR = Op("convert", {"Value": Ref(2, "Value")}, {"source": "NUMBER", "target": "COLOR"})
+
+
+def _card(share) -> Program:
+    """A material that lets a share through and reflects what else there is."""
+    closure = Closure(DIFFUSE, GGX, np.float32(1.0 - share) * _ONE, {})
+    return Program(ops=(), closures=(closure,), transparent=np.float32(share) * _ONE)
+
+
+# Passes all light where x > 0, none elsewhere.
+_SIDE = Program(
+    ops=(_POSITION, _HALF, _STEP, _AS_COLOR),
+    closures=(Closure(DIFFUSE, GGX, _ONE, {}),),
+    transparent=Ref(3, ""),
+)
+
+
+def _under_a_roof(program, side=6):
+    """A small floor under a vast roof of a material; the camera is between them."""
+    camera = camera_at((0.0, 0.0, 0.6), (0.0, 0.01, 0.0), side, side, 0.6)
+    parts = [floor(1.0), floor(500.0, 1.0)]
+    scene = make_scene(parts, [diffuse((0.5, 0.5, 0.5)), diffuse()], constant_world(), camera)
+    return with_programs(scene, None, program)
+
+
+@pytest.fixture(params=["by Embree's filter", "hit by hit"])
+def way(request, monkeypatch):
+    """Both ways that shadow rays can be let through."""
+    if request.param == "hit by hit":
+        monkeypatch.setattr(scene_rays, "can_filter", lambda: False)
+    return request.param
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 1.0])
+def test_roof_lets_its_share_of_the_light_through(way, share):
+    """An even sky over a roof over a floor of albedo .5: radiance .5 times the share.
+
+    4096 rays a pixel, 36 pixels: standard error .0006 of 1.
+    """
+    scene = _under_a_roof(_card(share))
+    layers, _ = make_picture(scene, max_samples=4096, stop_rule="FIXED")
+    radiance = layers["combined"][..., :3].mean()
+    assert abs(radiance - 0.5 * share) <= 0.5 * 0.003
+
+
+def test_camera_sees_through_a_roof(way):
+    """From above, a roof that passes half, over a black world: half of it and half of the floor."""
+    scene = _under_a_roof(_card(0.5))
+    camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 8, 8, 0.5)
+    scene = dataclasses.replace(scene, camera=camera)
+    layers, _ = make_picture(scene, max_samples=2048, stop_rule="FIXED", pixel_filter="BOX")
+    # The roof, albedo .8, is lit from above in full; the floor, .5, by half of the light.
+    expected = 0.5 * 0.8 + 0.5 * 0.5 * 0.5
+    assert abs(layers["combined"][..., :3].mean() / expected - 1.0) < 0.02
+    assert (layers["combined"][..., 3] == 1.0).all()
+
+
+def test_alpha_is_the_share_of_the_rays_that_end():
+    """A card over nothing, transparent film: alpha is its opacity; at pixel centres it is drawn."""
+    camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 16, 16, 0.4)
+    scene = make_scene([floor()], [diffuse()], constant_world(), camera)
+    scene = dataclasses.replace(with_programs(scene, _card(0.25)), transparent_film=True)
+    settings = {"max_samples": 512, "stop_rule": "FIXED"}
+    smooth = make_picture(scene, pixel_filter="BOX", **settings)[0]["combined"][..., 3]
+    np.testing.assert_allclose(smooth, 0.75, atol=1.5 / 64)  # 64 passes, stratified
+    drawn = make_picture(scene, **settings)[0]["combined"][..., 3]
+    assert set(np.unique(drawn)) == {0.0, 1.0} and abs(drawn.mean() - 0.75) < 0.03
+
+
+def test_half_a_card_is_cut_away(way):
+    """The camera and the shadow see the same half."""
+    scene = _under_a_roof(_SIDE)
+    rays = RenderCache().rays(scene)
+    assert rays.by_rays is (way == "hit by hit")
+    rng = np.random.default_rng(7)
+    origins = np.concatenate([rng.uniform(-1, 1, (500, 2)), np.full((500, 1), 0.5)], 1)
+    origins = origins.astype(np.float32)
+    up = np.tile(np.float32([0.0, 0.0, 1.0]), (500, 1))
+    origins[:, :2] *= 400.0
+    sharp = np.abs(origins[:, 0]) > 2.0 * 1000.0 / 64.0  # metres that a step of the grid may blur
+    np.testing.assert_array_equal(rays.occluded(origins, up)[sharp], origins[sharp, 0] < 0.0)
+
+
+def test_grid_follows_its_program():
+    """A pattern along x: values at the corners of the grid, exactly; triangles apart."""
+    ramp = Op("scale", {"Color": Ref(0, "Position"), "Factor": np.float32(0.01)}, {})
+    program = Program(
+        ops=(_POSITION, ramp), closures=(Closure(DIFFUSE, GGX, _ONE, {}),), transparent=Ref(1, "")
+    )
+    part = quad((0.0, 0.0, 0.0), (100.0, 0.0, 0.0), (0.0, 100.0, 0.0))
+    camera = camera_at((50.0, 50.0, 200.0), (50.0, 50.1, 0.0), 8, 8, 0.5)
+    scene = with_programs(make_scene([part], [diffuse()], constant_world(), camera), program)
+    opacity = bake_opacity(scene, np.ones(2, bool))
+    assert sorted(opacity.row) == [0, 1]
+    side = int(opacity.side[0])
+    grid = opacity.values[opacity.start[0] :][: side + 1] / 255.0  # the first edge: along x, z = 0
+    luminance = 0.2126 * np.arange(side + 1) / side
+    np.testing.assert_allclose(grid, luminance, atol=0.5 / 255 + 1e-6)
+
+
+def test_filter_passes_what_the_grid_says():
+    """0, .5 and 1 at the corners of a triangle: half of all rays go through, and the same ones."""
+    vertices, triangles, normals = floor()
+    mesh = make_mesh((vertices, triangles, normals))
+    half = Opacity(
+        np.zeros(2, np.int32), np.zeros(1, np.int64), np.ones(1, np.int32), np.uint8([0, 128, 255])
+    )
+    accel, n = Accel(mesh, opacity=half), 40_000
+    xy = np.random.default_rng(5).uniform(-1.0, 1.0, (n, 2))
+    origins = np.concatenate([xy, np.ones((n, 1))], axis=1).astype(np.float32)
+    down = np.tile(np.float32([0.0, 0.0, -1.0]), (n, 1))
+    first, second = accel.occluded(origins, down), accel.occluded(origins, down)
+    np.testing.assert_array_equal(first, second)
+    assert abs(first.mean() - 0.5) < 0.01  # four standard errors
+    assert (accel.intersect(origins, down)[0] >= 0).all()
+
+
+@pytest.mark.parametrize("flags", [CAMERA_RAYS, SHADOW_RAYS])
+def test_object_that_only_some_rays_see(flags):
+    """A roof that the camera does not see throws its shadow, and the other way round."""
+    scene = _under_a_roof(None)
+    scene = dataclasses.replace(
+        scene, shaders=None, object_flags=np.uint8([CAMERA_RAYS | SHADOW_RAYS, flags])
+    )
+    above = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 6, 6, 0.4)
+    scene = dataclasses.replace(scene, camera=above)
+    layers, _ = make_picture(scene, max_samples=64, stop_rule="FIXED")
+    expected = 0.8 if flags == CAMERA_RAYS else 0.0  # the roof, lit; the floor in its shadow
+    # 64 samples of an even sky, their mean over 36 pixels.
+    assert abs(layers["combined"][..., :3].mean() - expected) <= 0.02 * expected + 1e-5
+
+
+def test_hierarchies_are_kept_while_what_they_show_is_the_same():
+    """New objects that say the same give the same parts; another grid gives new ones."""
+    cache, scene = RenderCache(), _under_a_roof(_SIDE)
+    first = cache.rays(scene)
+    again = cache.rays(with_programs(scene, None, dataclasses.replace(_SIDE)))
+    assert first.traversal == again.traversal
+    other = cache.rays(with_programs(scene, None, _card(0.5)))
+    assert other.traversal != first.traversal

@@ -1,0 +1,99 @@
+"""Materials of several closures, and such that let light through."""
+
+from .cases import lit
+from .lit_cases import image_of, noise_of, principled
+
+RED, BLUE = (0.8, 0.1, 0.1), (0.1, 0.2, 0.8)
+
+
+def _diffuse(tree, color=RED):
+    return tree.made("ShaderNodeBsdfDiffuse", 0, {"Color": color})
+
+
+def _glossy(tree, roughness=0.4, color=(0.9, 0.8, 0.7)):
+    return tree.made("ShaderNodeBsdfGlossy", 0, {"Color": color, "Roughness": roughness})
+
+
+def _clear(tree):
+    return tree.made("ShaderNodeBsdfTransparent", 0)
+
+
+def _mix(tree, factor, first, second):
+    return tree.made("ShaderNodeMixShader", 0, {0: factor, 1: first, 2: second})
+
+
+def _step(tree, value):
+    """1 where a value is over a half, else 0."""
+    return tree.made("ShaderNodeMath", 0, {0: value, 1: 0.5}, operation="GREATER_THAN")
+
+
+def _stripes(tree):
+    return tree.made("ShaderNodeTexChecker", "Fac", {"Vector": tree.coordinates(), "Scale": 2.3})
+
+
+def _three(tree):
+    """Paint, a mirror and a second paint with another normal."""
+    bent = tree.made("ShaderNodeBsdfDiffuse", 0, {"Color": BLUE, "Normal": (0.6, 0.0, 0.8)})
+    return _mix(tree, 0.3, _mix(tree, 0.5, _diffuse(tree), _glossy(tree)), bent)
+
+
+def _shadowless(tree):
+    path = tree.made("ShaderNodeLightPath", "Is Shadow Ray")
+    return _mix(tree, path, _diffuse(tree), _clear(tree))
+
+
+def _one_sided(tree):
+    back = tree.made("ShaderNodeNewGeometry", "Backfacing")
+    return _mix(tree, back, _diffuse(tree), _clear(tree))
+
+
+def _by_angle(tree):
+    facing = tree.made("ShaderNodeLayerWeight", "Facing", {"Blend": 0.5})
+    return _mix(tree, _step(tree, facing), _diffuse(tree), _clear(tree))
+
+
+def _glowing_net(tree):
+    light = tree.made("ShaderNodeEmission", 0, {"Color": (0.5, 0.9, 0.4)})
+    return _mix(tree, _stripes(tree), light, _clear(tree))
+
+
+lit("Mix, diffuse and glossy", lambda t: _mix(t, 0.4, _diffuse(t), _glossy(t)))
+lit(
+    "Mix, diffuse and glossy by noise", lambda t: _mix(t, noise_of(t), _diffuse(t), _glossy(t, 0.3))
+)
+lit("Mix, two glossy ones", lambda t: _mix(t, 0.5, _glossy(t, 0.2, RED), _glossy(t, 0.6, BLUE)))
+lit("Mix, three closures", _three)
+lit(
+    "Add, diffuse and glossy",
+    lambda t: t.made(
+        "ShaderNodeAddShader", 0, {0: _diffuse(t), 1: _glossy(t, 0.3, (0.2, 0.2, 0.2))}
+    ),
+)
+lit(
+    "Mix, two Principled",
+    lambda t: _mix(t, t.axis("Z"), principled(Base_Color=RED)(t), principled(Metallic=1.0)(t)),
+)
+lit("Principled, coat", principled(Base_Color=RED, Coat_Weight=1.0, Coat_Roughness=0.2))
+lit(
+    "Principled, coat over metal",
+    principled(Metallic=1.0, Roughness=0.5, Coat_Weight=0.7, Coat_Roughness=0.3, Coat_IOR=1.8),
+)
+lit(
+    "Principled, tinted coat",
+    principled(Coat_Weight=1.0, Coat_Roughness=0.25, Coat_Tint=(0.9, 0.5, 0.3)),
+)
+lit(
+    "Principled, coat varies",
+    principled(Coat_Weight=lambda t: t.axis("X"), Coat_Roughness=0.3, Base_Color=image_of),
+)
+lit("Transparent by a checker", lambda t: _mix(t, _stripes(t), _diffuse(t), _clear(t)))
+lit("Principled, alpha by a checker", principled(Alpha=_stripes, Base_Color=image_of))
+lit("Principled, alpha by noise", principled(Alpha=lambda t: _step(t, noise_of(t))))
+lit(
+    "Transparent to shadow rays",
+    _shadowless,
+    differs="Cycles takes half of its light by rays of the BSDF, which are no shadow rays",
+)
+lit("Transparent from behind", _one_sided)
+lit("Transparent by the angle", _by_angle)
+lit("Transparent, a net that glows", _glowing_net)
