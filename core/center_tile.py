@@ -27,6 +27,7 @@ from .tile_job import (
     whole_cells,
     with_lobes,
 )
+from .tile_lamps import TileLamps
 
 
 class CenterTile:
@@ -48,6 +49,7 @@ class CenterTile:
         self._places = np.zeros(0, np.int32)
         self._bounds = np.zeros(1, np.int32)
         self._guides: Guides | None = None
+        self._lamps: TileLamps | None = None
         self._traced = self._primary = 0
 
     def advance(self, samples: int) -> bool:
@@ -93,6 +95,8 @@ class CenterTile:
             self.rect[2:],
             self._job.settings.max_samples,
         )
+        every, exposure = slice(None), float(self._job.scene.exposure)
+        self._lamps.add_to_layers(layers, every, self._places, exposure)
         return Tile(*self.rect, layers)
 
     def rest(self) -> None:
@@ -104,7 +108,11 @@ class CenterTile:
         self._look()
         count = self._sums.count[self._places >= 0]
         return TileCounts(
-            len(count), int(count.sum()), int(count.max(initial=0)), self._traced, self._primary
+            len(count),
+            int(count.sum()),
+            int(count.max(initial=0)),
+            self._traced + self._lamps.traced,
+            self._primary,
         )
 
     def _add(self, rule: Rule) -> None:
@@ -130,7 +138,12 @@ class CenterTile:
         self._missed = MissedRays(places[missed], directions[missed])
         self._seen = with_lobes(scene, points._replace(pixel=pixel[points.pixel]))
         if self._sums is None:
-            self._sums = new_sums(len(points.pixel))
+            n = len(points.pixel)
+            self._sums = new_sums(n)
+            self._lamps = TileLamps(scene, self._job.settings, self._job.accel, n)
+            self._lamps.settle(
+                points, self._seen.lobes, (columns[points.pixel], rows[points.pixel])
+            )
             self._guides = new_guides(len(self._bounds) - 1 if self._learns else 0)
 
 

@@ -30,10 +30,12 @@ from .tile_job import (
     SeenPoints,
     TileCounts,
     add_samples,
+    frame_places,
     trace_points,
     whole_cells,
     with_lobes,
 )
+from .tile_lamps import TileLamps
 
 _PILOT, _SILHOUETTE = 4, 1.2
 _WORLD, _NO_OBJECT = np.int32(-1), np.int32(0x7FFFFFFF)
@@ -64,6 +66,7 @@ class FilteredTile:
         self._around = Rect(whole.x - 1, whole.y - 1, whole.width + 2, whole.height + 2)
         self._n = n = self._around.width * self._around.height
         self._sums = new_pass_sums(n)
+        self._lamps = TileLamps(job.scene, job.settings, job.accel, n)
         self._pixels, self._cell = self._cells(whole)
         self._active = self._pixels
         learns = job.settings.estimator == "UNBIASED"
@@ -128,6 +131,8 @@ class FilteredTile:
         layers = filtered_layers(
             scene, points, sums, (width, height), self._job.settings.max_samples
         )
+        weight = float(scene.exposure) / np.maximum(sums.passes, 1)
+        self._lamps.add_to_layers(layers, inside, np.arange(len(inside)), weight)
         return Tile(x, y, width, height, layers)
 
     def rest(self) -> None:
@@ -138,7 +143,11 @@ class FilteredTile:
         inside = self._inside(self.rect)
         count, hits = self._sums.count[inside], self._sums.hits[inside]
         return TileCounts(
-            int((hits > 0).sum()), int(count.sum()), int(count.max()), self._traced, self._primary
+            int((hits > 0).sum()),
+            int(count.sum()),
+            int(count.max()),
+            self._traced + self._lamps.traced,
+            self._primary,
         )
 
     def _take_passes(self, wanted: np.ndarray) -> None:
@@ -163,6 +172,8 @@ class FilteredTile:
             return  # a pass that was cut short would darken those before it
         self._add_world(missed, directions)
         if sums is not None:
+            places = frame_places(self._around, points.pixel)
+            self._lamps.add_pass(points, seen.lobes, places, self._passes, sums)
             add_seen(points.pixel, points.normal, seen.lobes, sums, self._sums)
         close_pass(self._active, self._job.scene.transparent_film, self._sums)
         self._passes += 1

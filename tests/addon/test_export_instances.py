@@ -263,7 +263,6 @@ def test_what_is_not_rendered_is_named(above):
         "Holdout and shadow catcher are ignored, rendered as is: Hole",
         "Not rendered, hair curves are not supported: Curves",
         "Not rendered, volumes are not supported: Cloud",
-        "Only the world lights the scene, lights are ignored: Sun, Point",
         "Ray visibility is ignored, camera and shadow rays see: Shy",
     ]
 

@@ -47,25 +47,25 @@ def run_case(case: Case, folder: Path) -> Result:
     """Build, render and compare."""
     scene, tree = empty_scene(case.lit)
     case.build(scene, tree)
-    seeds = (0, 1) if case.lit else (0,)
-    ours = [_render_iwis(scene, seed, folder, case.lit) for seed in seeds]
+    seeds = (0, 1) if case.noisy else (0,)
+    ours = [_render_iwis(scene, seed, folder, case.noisy) for seed in seeds]
     warnings = RenderJob.get().records[-1].stats.warnings
-    theirs = [_render_cycles(scene, seed, folder, case.lit) for seed in seeds]
+    theirs = [_render_cycles(scene, seed, folder, case.noisy) for seed in seeds]
     return _compared(np.array(ours), np.array(theirs), case, warnings)
 
 
-def _render_iwis(scene, seed, folder, lit):
+def _render_iwis(scene, seed, folder, noisy):
     scene.iwis.seed = seed
     scene.iwis.pixel_filter = "CENTER"
-    scene.iwis.max_samples = IWIS_SAMPLES if lit else 1
+    scene.iwis.max_samples = IWIS_SAMPLES if noisy else 1
     scene.iwis.stop_rule = "FIXED"
     layers = render_iwis(scene, folder)
     return next(v for k, v in layers.items() if k.endswith("Combined"))
 
 
-def _render_cycles(scene, seed, folder, lit):
+def _render_cycles(scene, seed, folder, noisy):
     scene.cycles.seed = seed
-    samples = CYCLES_SAMPLES if lit else 1
+    samples = CYCLES_SAMPLES if noisy else 1
     use = cycles_render.use_cycles
     try:
         cycles_render.use_cycles = functools.partial(use, samples=samples)

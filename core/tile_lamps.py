@@ -1,0 +1,149 @@
+"""The light of lamps in a tile: beside the light of the world, by samples of its own.
+
+It is kept apart from the sums of the world's samples: what those know of visibility (I_s, the
+passes Unoccluded and Visibility) is about the HDRI.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ._jit import kernel
+from .accel import Accel
+from .incremental import PixelSums
+from .lamp_light import LampSamples, add_lamp_light
+from .lamps import is_soft
+from .lobes import Lobes
+from .scene import Scene
+from .settings import RenderSettings
+from .shading import ShadingPoints
+
+# Shadow rays to lamps with a size that one shading point takes in a pass, while they are few.
+_RAYS_OF_A_PASS, _MOST_OF_A_PASS = 8, 4
+# Samples of each such lamp where a pixel has one shading point: so many, and so many in all where
+# the standard error of the mean is a greater part of it than this.
+_FIRST, _MOST, _SURE = 16, 64, 0.05
+
+
+class _Layers(NamedTuple):
+    """Layers of film.LAYERS, float32 (pixels, channels)."""
+
+    combined: np.ndarray
+    diffuse_direct: np.ndarray
+    diffuse_color: np.ndarray
+    glossy_direct: np.ndarray
+    glossy_color: np.ndarray
+
+
+class TileLamps:
+    """What lamps bring to n pixels of one tile (none: costs nothing); 48 bytes a pixel.
+
+    traced: shadow rays so far
+    """
+
+    def __init__(self, scene: Scene, settings: RenderSettings, accel: Accel, n: int):
+        soft = is_soft(scene.lamps)
+        self._soft, self._hard = scene.lamps.at(soft), scene.lamps.at(~soft)
+        self._any, self._accel, self._settings = len(soft) > 0, accel, settings
+        self._light = np.zeros((n if self._any else 0, 6))
+        # Powers of two: blocks of the sequence that fill a lamp evenly.
+        few = max(_RAYS_OF_A_PASS // max(int(soft.sum()), 1), 1)
+        self._of_a_pass = min(1 << (few.bit_length() - 1), _MOST_OF_A_PASS)
+        self.traced = 0
+
+    def add_pass(self, points: ShadingPoints, lobes: Lobes, places, number: int, sums) -> None:
+        """Add a pass's points to their pixels, and their light to what the stop rule sees of it.
+
+        places: column and row in the frame of each point; number: of the pass; sums: PixelSums of
+        the points, whose ``seen`` and ``seen_squared`` are of the world before
+        """
+        if not self._any:
+            return
+        light, count = np.zeros((len(points.pixel), 6)), self._of_a_pass
+        for k in range(count):
+            self._add(points, lobes, self._soft, places, number * count + k, light)
+        light /= count
+        self._add(points, lobes, self._hard, places, number, light)
+        _add_to_pixels(points.pixel, light, self._light)
+        _show(light, sums)
+
+    def settle(self, points: ShadingPoints, lobes: Lobes, places) -> None:
+        """Have the light of points, once and for all; row k of the tile is point k."""
+        if not self._any:
+            return
+        most = min(max(self._settings.max_samples, 1), _MOST)
+        light = self._settled(points, lobes, places, 0, min(_FIRST, most))
+        mean, squared, count = light[:, :6], light[:, 6], np.full(len(light), min(_FIRST, most))
+        if most > _FIRST:
+            total = _luminance(mean)
+            spread = np.maximum(squared / _FIRST - (total / _FIRST) ** 2, 0.0) / (_FIRST - 1)
+            unsure = np.flatnonzero(spread * _FIRST**2 > (_SURE * total) ** 2)
+            some = ShadingPoints(*(column[unsure] for column in points)), lobes.at(unsure)
+            where = places[0][unsure], places[1][unsure]
+            mean[unsure] += self._settled(*some, where, _FIRST, most)[:, :6]
+            count[unsure] = most
+        self._light[:] = mean / count[:, None]
+        self._add(points, lobes, self._hard, places, 0, self._light)
+
+    def _settled(self, points, lobes, places, first, end) -> np.ndarray:
+        """float64 (n, 7): sums over samples first ... end - 1, and of their squared luminance."""
+        sums = np.zeros((len(points.pixel), 7))
+        for k in range(first, end):
+            light = np.zeros((len(points.pixel), 6))
+            self._add(points, lobes, self._soft, places, k, light)
+            sums[:, :6] += light
+            sums[:, 6] += _luminance(light) ** 2
+        return sums
+
+    def _add(self, points, lobes, lamps, places, number, light) -> None:
+        own = 0 if self._settings.decorrelation == "NONE" else 1
+        columns, rows = (own * place.astype(np.int64) for place in places)
+        samples = LampSamples(columns, rows, number, self._settings.seed)
+        self.traced += add_lamp_light(points, lobes, lamps, self._accel, samples, light)
+
+    def add_to_layers(self, layers, rows, place, weight) -> None:
+        """Add the light to a tile's developed layers, in which its colours stand already.
+
+        rows: of the light; place: pixels of the layers, -1 = outside; weight: float64, of each
+        """
+        if not self._any:
+            return
+        flat = {name: layers[name].reshape(-1, layers[name].shape[2]) for name in _Layers._fields}
+        light = self._light[rows] * np.reshape(weight, (-1, 1))
+        _add_to_flat(place, light, _Layers(*(flat[name] for name in _Layers._fields)))
+
+
+@kernel
+def _add_to_flat(place, light, layers):
+    for k in range(len(place)):
+        p = place[k]
+        if p < 0:
+            continue
+        for a in range(3):
+            diffuse, glossy = light[k, a], light[k, 3 + a]
+            layers.combined[p, a] += diffuse + glossy
+            if layers.diffuse_color[p, a] > 0.0:
+                layers.diffuse_direct[p, a] += diffuse / np.float64(layers.diffuse_color[p, a])
+            if layers.glossy_color[p, a] > 0.0:
+                layers.glossy_direct[p, a] += glossy / np.float64(layers.glossy_color[p, a])
+
+
+@kernel
+def _add_to_pixels(pixel, light, out):
+    for k in range(len(pixel)):
+        for c in range(6):
+            out[pixel[k], c] += light[k, c]
+
+
+def _luminance(light) -> np.ndarray:
+    return (light[:, :3] + light[:, 3:6]) @ np.array((0.2126, 0.7152, 0.0722))
+
+
+def _show(light, sums: PixelSums) -> None:
+    """Add light to the mean that sums have of their samples, and leave their spread as it is."""
+    count = np.maximum(sums.count, 1)
+    before = sums.seen.copy()
+    sums.seen[:] += _luminance(light) * count
+    sums.seen_squared[:] += (sums.seen**2 - before**2) / count
