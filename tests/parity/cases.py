@@ -9,7 +9,7 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Case:
     """build(scene, tree) makes the material; lit: by a world, else it glows by itself.
-    noisy: lit by something that both engines sample
+    noisy: lit by something that both engines sample; renders: by IWIS, with other seeds
 
     warns: a part of the warning that IWIS must give; differs: why Cycles' picture is another one
     """
@@ -18,6 +18,7 @@ class Case:
     build: Callable
     lit: bool = False
     noisy: bool = False
+    renders: int = 1
     with_alpha: bool = False
     warns: str = ""
     differs: str = ""
@@ -40,4 +41,4 @@ def lit(name, make, **options):
 
 def lit_by(name, build, world=False, **options):
     """A case under lamps, in the dark or under a world too: build(scene, tree) makes both."""
-    CASES.append(Case(name, build, lit=world, noisy=True, **options))
+    CASES.append(Case(name, build, lit=world, noisy=True, renders=8, **options))
