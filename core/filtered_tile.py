@@ -94,9 +94,10 @@ class FilteredTile:
     def demand(self, typical: float) -> Demand:
         """See TileWork: of all pixels of the tile's cells, cell by cell."""
         n, pixels, sums = samples_of_a_pass(self._job.settings), self._pixels, self._sums
+        known = self._lamps.known(sums)
         spread, passes = np.empty(len(pixels), np.float32), np.maximum(sums.passes[pixels], 1)
         transparent = self._job.scene.transparent_film
-        fill_spreads(pixels, n, FLOOR / typical, transparent, sums, spread)
+        fill_spreads(pixels, n, FLOOR / typical, transparent, known, spread)
         near = self._near_silhouette()[pixels]
         edge = np.float32(n * _SILHOUETTE / threshold_of(1.0))
         rows, columns = np.divmod(pixels, self._around.width)
@@ -175,7 +176,8 @@ class FilteredTile:
             places = frame_places(self._around, points.pixel)
             self._lamps.add_pass(points, seen.lobes, places, self._passes, sums)
             add_seen(points.pixel, points.normal, seen.lobes, sums, self._sums)
-        close_pass(self._active, self._job.scene.transparent_film, self._sums)
+        known = self._lamps.known(self._sums)
+        close_pass(self._active, self._job.scene.transparent_film, known)
         self._passes += 1
 
     def _look(self):
@@ -253,7 +255,8 @@ class FilteredTile:
         n = samples_of_a_pass(self._job.settings)
         spread = np.empty(len(self._active), np.float32)
         transparent = self._job.scene.transparent_film
-        fill_spreads(self._active, n, FLOOR / typical, transparent, self._sums, spread)
+        known = self._lamps.known(self._sums)
+        fill_spreads(self._active, n, FLOOR / typical, transparent, known, spread)
         taken = np.full(len(spread), self._passes * n, np.int32)
         return plan_counts(spread, taken, typical, self._job.settings.max_samples) > taken
 

@@ -23,8 +23,12 @@ from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, ROUND_BEAM, SUN, Lamps
 from .lobes import DIFFUSE_LOBE, Lobes
 from .microfacet import MIN_ALPHA
 from .pixel_filter import point_of_pixel
+from .pyramid import luminance
 from .shading import ShadingPoints
 
+# Columns of a point's light: (r, g, b) by the diffuse lobe, by the glossy one, and the luminance of
+# all, were nothing between the lamps and the point.
+UNOCCLUDED, COLUMNS = 6, 7
 # Up to so many lamps all are sampled; of more, so many at each point.
 ALL_LAMPS, CHOSEN_LAMPS = 16, 8
 # Lobes of a greater alpha leave their lamps to the lamps' own samples.
@@ -38,7 +42,7 @@ class LampRays(NamedTuple):
     """Shadow rays to lamps, float32 but point.
 
     origins, directions: (capacity, 3); reach: (capacity,), metres; point: int32 (capacity,)
-    light: (capacity, 6), what each brings by the diffuse and by the glossy lobe
+    light: (capacity, COLUMNS), what each brings
     """
 
     origins: np.ndarray
@@ -125,8 +129,11 @@ def _write(at, points, p, lamps, i, wi, far, weight, lifted, offset, rays, n, su
     light = rays.light
     light[n, 0], light[n, 1], light[n, 2] = dr * r * diffuse, dg * g * diffuse, db * b * diffuse
     light[n, 3], light[n, 4], light[n, 5] = gr * r * glossy, gg * g * glossy, gb * b * glossy
+    light[n, UNOCCLUDED] = luminance(
+        light[n, 0] + light[n, 3], light[n, 1] + light[n, 4], light[n, 2] + light[n, 5]
+    )
     if not lamps.shadow[i]:
-        for c in range(6):
+        for c in range(COLUMNS):
             sums[p, c] += light[n, c]
         return n
     if not _aim(points, p, wi, far, lifted, offset, rays, n):
@@ -238,9 +245,11 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
 @kernel
 def _add(rays, n, occluded, sums):
     for k in range(n):
+        p = rays.point[k]
+        sums[p, UNOCCLUDED] += rays.light[k, UNOCCLUDED]
         if not occluded[k]:
-            for c in range(6):
-                sums[rays.point[k], c] += rays.light[k, c]
+            for c in range(UNOCCLUDED):
+                sums[p, c] += rays.light[k, c]
 
 
 def add_lamp_light(
@@ -248,7 +257,7 @@ def add_lamp_light(
 ) -> int:
     """Add one sample of every lamp to each point; returns how many shadow rays were traced.
 
-    sums: float64 (n, 6), radiance by the diffuse and by the glossy lobe, added to
+    sums: float64 (n, COLUMNS), radiance, added to
     """
     n_lamps = len(lamps.kind)
     if not n_lamps or not len(points.pixel):
@@ -258,7 +267,7 @@ def add_lamp_light(
         *(np.empty((capacity, 3), np.float32) for _ in range(2)),
         np.empty(capacity, np.float32),
         np.empty(capacity, np.int32),
-        np.empty((capacity, 6), np.float32),
+        np.empty((capacity, COLUMNS), np.float32),
     )
     powers, shares = powers_of(lamps), np.empty(n_lamps)
     offset, first, traced = np.float32(accel.offset), 0, 0

@@ -13,7 +13,7 @@ import numpy as np
 # Lamps.kind
 SUN, SPHERE, DISC, RECTANGLE, ELLIPSE, BEAM, ROUND_BEAM = range(7)
 # Lamps.seen_by
-BY_DIFFUSE, BY_GLOSSY, BY_CAMERA = 1, 2, 4
+BY_DIFFUSE, BY_GLOSSY = 1, 2
 EVERYWHERE = np.float32(-2.0)  # Lamps.cone of what is no spot
 
 
@@ -23,7 +23,7 @@ class Lamps(NamedTuple):
     kind: int8 (n,); SUN: a disc at infinity; SPHERE: of point and spot lamps; DISC: the same with
         soft falloff, a disc that faces whoever looks at it; RECTANGLE, ELLIPSE: one-sided areas;
         BEAM, ROUND_BEAM: such areas that shine along their axis only
-    seen_by: int8 (n,), BY_DIFFUSE | BY_GLOSSY | BY_CAMERA: which lobes it lights, who sees it
+    seen_by: int8 (n,), BY_DIFFUSE | BY_GLOSSY: which lobes it lights
     shadow: bool (n,), whether it casts shadows
     position: float32 (n, 3), of the centre
     forward, right, up: float32 (n, 3), unit: where it shines, and the sides of an area
@@ -74,7 +74,7 @@ def make_lamps(rows: list[dict]) -> Lamps:
     n = len(rows)
     columns = {name: np.zeros((n, *shape), np.float32) for name, shape in _SHAPES.items()}
     columns |= {"kind": np.zeros(n, np.int8), "shadow": np.ones(n, np.bool_)}
-    columns["seen_by"] = np.full(n, BY_DIFFUSE | BY_GLOSSY | BY_CAMERA, np.int8)
+    columns["seen_by"] = np.full(n, BY_DIFFUSE | BY_GLOSSY, np.int8)
     columns["cone"][:, 0], columns["spread"][:, 0] = EVERYWHERE, np.inf
     columns["forward"][:, 2], columns["right"][:, 0], columns["up"][:, 1] = -1.0, 1.0, 1.0
     for k, row in enumerate(rows):

@@ -13,9 +13,10 @@ import numpy as np
 from ._jit import kernel
 from .accel import Accel
 from .incremental import PixelSums
-from .lamp_light import LampSamples, add_lamp_light
+from .lamp_light import COLUMNS, UNOCCLUDED, LampSamples, add_lamp_light
 from .lamps import is_soft
 from .lobes import Lobes
+from .pass_sums import PassSums
 from .scene import Scene
 from .settings import RenderSettings
 from .shading import ShadingPoints
@@ -38,7 +39,7 @@ class _Layers(NamedTuple):
 
 
 class TileLamps:
-    """What lamps bring to n pixels of one tile (none: costs nothing); 48 bytes a pixel.
+    """What lamps bring to n pixels of one tile (none: costs nothing); 60 bytes a pixel.
 
     traced: shadow rays so far
     """
@@ -47,7 +48,8 @@ class TileLamps:
         soft = is_soft(scene.lamps)
         self._soft, self._hard = scene.lamps.at(soft), scene.lamps.at(~soft)
         self._any, self._accel, self._settings = len(soft) > 0, accel, settings
-        self._light = np.zeros((n if self._any else 0, 6))
+        self._light = np.zeros((n if self._any else 0, COLUMNS))
+        self._count = np.zeros(len(self._light), np.int32)
         # Powers of two: blocks of the sequence that fill a lamp evenly.
         few = max(_RAYS_OF_A_PASS // max(int(soft.sum()), 1), 1)
         self._of_a_pass = min(1 << (few.bit_length() - 1), _MOST_OF_A_PASS)
@@ -61,13 +63,23 @@ class TileLamps:
         """
         if not self._any:
             return
-        light, count = np.zeros((len(points.pixel), 6)), self._of_a_pass
+        light, count = np.zeros((len(points.pixel), COLUMNS)), self._of_a_pass
         for k in range(count):
             self._add(points, lobes, self._soft, places, number * count + k, light)
         light /= count
         self._add(points, lobes, self._hard, places, number, light)
-        _add_to_pixels(points.pixel, light, self._light)
+        _add_to_pixels(points.pixel, light, count, self._light, self._count)
         _show(light, sums)
+
+    def known(self, sums: PassSums) -> PassSums:
+        """The sums as the stop rule is to see them, lamps and all; their other arrays are the same.
+
+        Else nobody would go on looking for the light in a pixel that has not seen its lamp yet.
+        """
+        if not self._any:
+            return sums
+        whole = self._light[:, UNOCCLUDED, None].astype(np.float32)
+        return sums._replace(count=sums.count + self._count, unoccluded=sums.unoccluded + whole)
 
     def settle(self, points: ShadingPoints, lobes: Lobes, places) -> None:
         """Have the light of points, once and for all; row k of the tile is point k."""
@@ -75,26 +87,28 @@ class TileLamps:
             return
         most = min(max(self._settings.max_samples, 1), _MOST)
         light = self._settled(points, lobes, places, 0, min(_FIRST, most))
-        mean, squared, count = light[:, :6], light[:, 6], np.full(len(light), min(_FIRST, most))
+        mean, squared = light[:, :COLUMNS], light[:, COLUMNS]
+        count = np.full(len(light), min(_FIRST, most))
         if most > _FIRST:
             total = _luminance(mean)
             spread = np.maximum(squared / _FIRST - (total / _FIRST) ** 2, 0.0) / (_FIRST - 1)
-            unsure = np.flatnonzero(spread * _FIRST**2 > (_SURE * total) ** 2)
+            hidden = (total == 0.0) & (mean[:, UNOCCLUDED] > 0.0)
+            unsure = np.flatnonzero(hidden | (spread * _FIRST**2 > (_SURE * total) ** 2))
             some = ShadingPoints(*(column[unsure] for column in points)), lobes.at(unsure)
             where = places[0][unsure], places[1][unsure]
-            mean[unsure] += self._settled(*some, where, _FIRST, most)[:, :6]
+            mean[unsure] += self._settled(*some, where, _FIRST, most)[:, :COLUMNS]
             count[unsure] = most
         self._light[:] = mean / count[:, None]
         self._add(points, lobes, self._hard, places, 0, self._light)
 
     def _settled(self, points, lobes, places, first, end) -> np.ndarray:
-        """float64 (n, 7): sums over samples first ... end - 1, and of their squared luminance."""
-        sums = np.zeros((len(points.pixel), 7))
+        """float64 (n, COLUMNS + 1): sums of samples first ... end - 1, last of squared luminance."""
+        sums = np.zeros((len(points.pixel), COLUMNS + 1))
         for k in range(first, end):
-            light = np.zeros((len(points.pixel), 6))
+            light = np.zeros((len(points.pixel), COLUMNS))
             self._add(points, lobes, self._soft, places, k, light)
-            sums[:, :6] += light
-            sums[:, 6] += _luminance(light) ** 2
+            sums[:, :COLUMNS] += light
+            sums[:, COLUMNS] += _luminance(light) ** 2
         return sums
 
     def _add(self, points, lobes, lamps, places, number, light) -> None:
@@ -131,9 +145,10 @@ def _add_to_flat(place, light, layers):
 
 
 @kernel
-def _add_to_pixels(pixel, light, out):
+def _add_to_pixels(pixel, light, count, out, counts):
     for k in range(len(pixel)):
-        for c in range(6):
+        counts[pixel[k]] += count
+        for c in range(light.shape[1]):
             out[pixel[k], c] += light[k, c]
 
 

@@ -9,7 +9,6 @@ import pytest
 import iwis
 from iwis.core.lamps import (
     BEAM,
-    BY_CAMERA,
     BY_DIFFUSE,
     BY_GLOSSY,
     DISC,
@@ -92,14 +91,14 @@ def test_frame_size_and_flags(scene):
     """An area under rotation and scale, without shadow, unseen by glossy rays."""
     obj = add_light("AREA", shape="RECTANGLE", size=2.0, size_y=1.0, use_shadow=False)
     obj.rotation_euler, obj.scale = (math.pi / 2, 0.0, 0.0), (3.0, 0.5, 7.0)
-    obj.visible_glossy, obj.visible_camera = False, True
+    obj.visible_glossy = False
     bpy.context.view_layer.update()
     row, _ = exported()
     np.testing.assert_allclose(row["position"], (1.0, 2.0, 3.0))
     np.testing.assert_allclose(row["forward"], (0.0, 1.0, 0.0), atol=1e-6)
     np.testing.assert_allclose(row["up"], (0.0, 0.0, 1.0), atol=1e-6)
     np.testing.assert_allclose(row["size"], (6.0, 0.5))
-    assert row["seen_by"] == BY_DIFFUSE | BY_CAMERA and not row["shadow"]
+    assert row["seen_by"] == BY_DIFFUSE and not row["shadow"]
     assert row["radiance"][0] == pytest.approx(10.0 / (math.pi * 3.0))
 
 
@@ -141,7 +140,7 @@ def test_nodes_of_a_lamp_multiply_its_strength(scene):
 
 
 def test_what_a_lamp_cannot_do_is_told(scene):
-    """A texture in its nodes, light linking, negative light: by object and light."""
+    """A texture in its nodes, light linking, a lamp in view, negative light: by object and light."""
     obj = add_light("POINT", energy=-5.0)
     row, warnings = exported()
     assert row is None and any('"Lamp", light "Lamp data": negative' in line for line in warnings)
@@ -150,10 +149,12 @@ def test_what_a_lamp_cannot_do_is_told(scene):
     noise = tree.nodes.new("ShaderNodeTexNoise")
     tree.links.new(noise.outputs["Color"], emission.inputs["Color"])
     obj.light_linking.receiver_collection = bpy.data.collections.new("Receivers")
+    obj.visible_camera, obj.data.shadow_soft_size = True, 0.1
     row, warnings = exported()
     told = [line for line in warnings if line.startswith('object "Lamp", light "Lamp data"')]
-    assert row is not None and len(told) == 2
+    assert row is not None and len(told) == 3
     assert any("Noise" in line for line in told) and any("linking" in line for line in told)
+    assert any("not shown to the camera" in line for line in told)
     tree.links.clear()
     row, warnings = exported()
     assert row is None and any("nothing is linked" in line for line in warnings)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from iwis.core.lamp_light import ALL_LAMPS, LampSamples, add_lamp_light
+from iwis.core.lamp_light import ALL_LAMPS, COLUMNS, LampSamples, add_lamp_light
 from iwis.core.lamps import (
     BEAM,
     BY_DIFFUSE,
@@ -101,11 +101,11 @@ def seen_point(material, copies=1, blocker=None):
 def sampled(rows, material, pixels=4000, numbers=4, blocker=None):
     """float64 (pixels, 6): means over a few numbers, by lobe; pixels are independent."""
     points, lobes, accel = seen_point(material, pixels, blocker)
-    lamps, sums = make_lamps(rows), np.zeros((pixels, 6))
+    lamps, sums = make_lamps(rows), np.zeros((pixels, COLUMNS))
     columns, row = np.arange(pixels), np.zeros(pixels, np.int64)
     for number in range(numbers):
         add_lamp_light(points, lobes, lamps, accel, LampSamples(columns, row, number, 7), sums)
-    return sums / numbers
+    return sums[:, :6] / numbers
 
 
 def places_on(lamp):
@@ -365,6 +365,20 @@ def test_the_stop_rule_sees_penumbras():
     half, lit = (share > 0.2) & (share < 0.8), share > 0.99
     assert half.sum() > 20 and count[half].mean() > 2.0 * np.median(count[lit])
     assert stats.shadow_rays > 0
+
+
+@pytest.mark.parametrize("stop_rule", ["PAPER", "PERCEPTUAL", "FIXED"])
+def test_deep_shadow_is_not_left_black(stop_rule):
+    """Under one lamp alone, a tenth of which is seen: only the lamp says that there is light."""
+    row = area(RECTANGLE, (1.2, 0.0, 1.5), 1.0, 1.0, np.eye(3)) | {"radiance": 1.0}
+    rules = {"pixel_filter": "BOX", "max_samples": 256, "error_threshold": 0.1}
+    layers, _ = lamp_picture([row], DARK, MATERIALS["diffuse"], stop_rule=stop_rule, **rules)
+    settled, _ = lamp_picture([row], DARK, MATERIALS["diffuse"], max_samples=64)
+    exact, found = (picture["combined"][..., 0] for picture in (settled, layers))
+    deep = (exact > 0.03 * exact.max()) & (exact < 0.2 * exact.max())
+    assert deep.sum() > 5 and (found[deep] > 0.0).all()
+    # 16 samples of which one in ten is seen: 1 / sqrt(1.6) of each pixel, over their number.
+    assert abs(found[deep].mean() / exact[deep].mean() - 1.0) < 0.15
 
 
 def test_lamps_that_make_no_sense_are_refused():
