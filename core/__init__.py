@@ -2,26 +2,26 @@
 
 In the order of the data; a module imports only from groups with a smaller number:
 
-    _jit, settings, program                          0  how kernels are compiled; all defaults
+    _jit, settings, program, lamps                   0  how kernels are compiled; all defaults
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes,
-    pace
+    pace, lamp_areas
     camera, embree_filter, albedo_tables,            2  rays, sparse Haar series, points
     haar_forest, environment, shading, watch, neighbours, merl,
-    glossy_normal
+    glossy_normal, lamp_shapes
     embree, lobes, pyramid, haar_product,            3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, measured, lobe_setup
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
-    light_rays, paper_tables, light_cells
+    light_rays, paper_tables, light_cells, lamp_light
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree
     surface, opacity, unbiased, paper, develop       7  shaders at points; the two modes
     scene_rays, block_loop, reference                8  UNBIASED's loop; estimators to compare with
     two_stage, tile_job, render_cache                9  another one; a tile's work; what is kept
-    merged_layers, budget, warm_up                  10  closures together; BUDGET
+    merged_layers, tile_lamps, budget, warm_up      10  closures together; BUDGET
     center_tile, filtered_tile                      11  one shading point a pixel, several
     render                                          12  the entry point
     progressive, pixel_view                         13  pictures for a window; one pixel's samples

@@ -15,7 +15,13 @@ import numpy as np
 from ._jit import kernel
 from .embree import EmbreeScene
 from .embree_filter import Opacity, ShadowFilter
-from .embree_rays import NOTHING, Traversal, intersect_block, occluded_block
+from .embree_rays import (
+    NOTHING,
+    Traversal,
+    intersect_block,
+    occluded_block,
+    occluded_within,
+)
 from .scene import TriangleMesh
 from .terminator import lift_share
 from .watch import Cancelled
@@ -66,14 +72,20 @@ class Accel:
         intersect_block(self.traversal, origins, directions, *hits)
         return hits
 
-    def occluded(self, origins: np.ndarray, directions: np.ndarray, out=None) -> np.ndarray:
+    def occluded(
+        self, origins: np.ndarray, directions: np.ndarray, out=None, reach=None
+    ) -> np.ndarray:
         """bool (n,): whether anything lies on the ray. origins, directions: float32 (n, 3).
 
         out: bool (>= n,), written and returned as far as it was, instead of a new array
+        reach: float32 (n,), lengths of ``directions`` beyond which nothing counts; None: no end
         """
         n = len(origins)
         out = np.empty(n, np.bool_) if out is None else out[:n]
-        occluded_block(self.traversal, origins, directions, n, out)
+        if reach is None:
+            occluded_block(self.traversal, origins, directions, n, out)
+        else:
+            occluded_within(self.traversal, origins, directions, reach, n, out)
         return out
 
 
@@ -108,7 +120,8 @@ class EmbreexScene:
     def _occlude(self, place: int, width: int) -> None:
         rays = _numbers_at(place, 12, width)
         origins, directions = np.ascontiguousarray(rays[:3].T), np.ascontiguousarray(rays[4:7].T)
-        hit = self._scene.run(origins, directions, query="OCCLUDED") == 0
+        reach = rays[8].copy()  # embreex writes to it
+        hit = self._scene.run(origins, directions, reach, query="OCCLUDED") == 0
         rays[8, hit] = -np.inf
 
     def _intersect(self, place: int) -> None:

@@ -28,6 +28,7 @@ from .tile_job import (
     whole_cells,
     with_all_lobes,
 )
+from .tile_lamps import TileLamps
 
 
 class CenterTile:
@@ -50,6 +51,7 @@ class CenterTile:
         self._guides: list[Guides] = []
         self._missed: MissedRays | None = None
         self._places = np.zeros(0, np.int32)
+        self._lamps: TileLamps | None = None
         self._traced = self._primary = 0
 
     def advance(self, samples: int) -> bool:
@@ -106,6 +108,8 @@ class CenterTile:
             self.rect[2:],
             self._job.settings.max_samples,
         )
+        every, exposure = slice(None), float(self._job.scene.exposure)
+        self._lamps.add_to_layers(layers, every, self._places, exposure)
         return Tile(*self.rect, layers)
 
     def rest(self) -> None:
@@ -120,7 +124,11 @@ class CenterTile:
             whole[layer.of] += sums.count
         count = whole[self._places >= 0]
         return TileCounts(
-            len(count), int(count.sum()), int(count.max(initial=0)), self._traced, self._primary
+            len(count),
+            int(count.sum()),
+            int(count.max(initial=0)),
+            self._traced + self._lamps.traced,
+            self._primary,
         )
 
     def _add(self, *rules: Rule) -> None:
@@ -156,6 +164,8 @@ class CenterTile:
             self._sums = [new_sums(len(of)) for _, of in layers]
             n = len(bounds) - 1 if self._learns else 0
             self._guides = [new_guides(n) for _ in layers]
+            self._lamps = TileLamps(scene, self._job.settings, self._job.accel, len(points.pixel))
+            self._lamps.settle(layers, (columns[points.pixel], rows[points.pixel]))
 
 
 def places_in(rect: Rect, columns: np.ndarray, rows: np.ndarray) -> np.ndarray:

@@ -196,6 +196,23 @@ def occluded_block(traversal, origins, directions, n, out):
         out[k] = occluded_one(traversal, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
 
 
+@kernel
+def occluded_within(traversal, origins, directions, reach, n, out):
+    """occluded_block for what lies nearer than ``reach``, float32 (>= n,), in units of direction.
+
+    Rays to lamps: few start at one place, so each goes through the hierarchy alone.
+    """
+    o, d = origins, directions
+    ray = _stack(_RAY)
+    _put_constants(ray, 4)
+    for k in range(n):
+        _put_ray(ray, 4, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
+        _put(ray + 32, np.float32(reach[k]))
+        if traversal.scene != 0:
+            _call(traversal.occluded1, (traversal.scene, ray, 0))
+        out[k] = get_float(ray + 32) < _ZERO
+
+
 @kernel(forceinline=True)
 def _put_lane(packet, lane, numbers, origin, direction, row, s):
     _put_ray(

@@ -21,12 +21,7 @@ from .incremental import PixelSums, new_sums
 from .merged_layers import merge_layers
 from .neighbours import cell_order
 from .pass_sums import PassSums, add_background, add_seen, close_pass, fill_spreads, new_pass_sums
-from .pixel_filter import (
-    LAYER_NUMBERS,
-    filter_offsets,
-    unit_numbers,
-    unit_points,
-)
+from .pixel_filter import LAYERS, filter_offsets, unit_points
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .shading import ShadingPoints
 from .stop_rule import FLOOR, paper_rule, plan_counts, threshold_of, typical_count
@@ -37,10 +32,12 @@ from .tile_job import (
     SeenPoints,
     TileCounts,
     add_samples,
+    frame_places,
     trace_points,
     whole_cells,
     with_all_lobes,
 )
+from .tile_lamps import TileLamps
 
 _PILOT, _SILHOUETTE = 4, 1.2
 _WORLD, _NO_OBJECT = np.int32(-1), np.int32(0x7FFFFFFF)
@@ -71,6 +68,7 @@ class FilteredTile:
         self._around = Rect(whole.x - 1, whole.y - 1, whole.width + 2, whole.height + 2)
         self._n = n = self._around.width * self._around.height
         self._sums = new_pass_sums(n)
+        self._lamps = TileLamps(job.scene, job.settings, job.accel, n)
         self._pixels, self._cell = self._cells(whole)
         self._active = self._pixels
         learns = job.settings.estimator == "UNBIASED"
@@ -98,9 +96,10 @@ class FilteredTile:
     def demand(self, typical: float) -> Demand:
         """See TileWork: of all pixels of the tile's cells, cell by cell."""
         n, pixels, sums = samples_of_a_pass(self._job.settings), self._pixels, self._sums
+        known = self._lamps.known(sums)
         spread, passes = np.empty(len(pixels), np.float32), np.maximum(sums.passes[pixels], 1)
         transparent = self._job.scene.transparent_film
-        fill_spreads(pixels, n, FLOOR / typical, transparent, sums, spread)
+        fill_spreads(pixels, n, FLOOR / typical, transparent, known, spread)
         near = self._near_silhouette()[pixels]
         edge = np.float32(n * _SILHOUETTE / threshold_of(1.0))
         rows, columns = np.divmod(pixels, self._around.width)
@@ -135,6 +134,8 @@ class FilteredTile:
         layers = filtered_layers(
             scene, points, sums, (width, height), self._job.settings.max_samples
         )
+        weight = float(scene.exposure) / np.maximum(sums.passes, 1)
+        self._lamps.add_to_layers(layers, inside, np.arange(len(inside)), weight)
         return Tile(x, y, width, height, layers)
 
     def rest(self) -> None:
@@ -145,7 +146,11 @@ class FilteredTile:
         inside = self._inside(self.rect)
         count, hits = self._sums.count[inside], self._sums.hits[inside]
         return TileCounts(
-            int((hits > 0).sum()), int(count.sum()), int(count.max()), self._traced, self._primary
+            int((hits > 0).sum()),
+            int(count.sum()),
+            int(count.max()),
+            self._traced + self._lamps.traced,
+            self._primary,
         )
 
     def _take_passes(self, wanted: np.ndarray) -> None:
@@ -171,8 +176,11 @@ class FilteredTile:
         self._add_world(missed, directions)
         if sums is not None:
             seen, sums = merge_layers(layers, sums)
+            places = frame_places(self._around, points.pixel)
+            self._lamps.add_pass(layers, places, self._passes, sums)
             add_seen(points.pixel, points.normal, seen.lobes, sums, self._sums)
-        close_pass(self._active, self._job.scene.transparent_film, self._sums)
+        known = self._lamps.known(self._sums)
+        close_pass(self._active, self._job.scene.transparent_film, known)
         self._passes += 1
 
     def _look(self):
@@ -184,7 +192,7 @@ class FilteredTile:
         if pilot:
             looked = np.append(looked, np.flatnonzero(self._cell < 0).astype(np.int32))
         origins, directions = self._rays(looked)
-        dither = self._numbers(looked, LAYER_NUMBERS)
+        dither = self._dither(looked)
         points = trace_points(self._job, origins, directions, dither)
         self._primary += len(looked)
         missed = np.ones(len(looked), np.bool_)
@@ -197,14 +205,15 @@ class FilteredTile:
             points = points.at(inside[points.pixel])
         return points, looked[missed], directions[missed]
 
-    def _numbers(self, pixels, salt) -> np.ndarray | None:
-        """This pass's number of each pixel (pixel_filter.unit_numbers), if materials draw any."""
+    def _dither(self, pixels) -> np.ndarray | None:
+        """What cut-outs draw in this pass (cutouts.points_through), if there may be any."""
         settings = self._job.settings
         if self._job.scene.shaders is None:
             return None
         own = 0 if settings.decorrelation == "NONE" else 1
         columns, rows = self._places(pixels)
-        return unit_numbers(own * columns, own * rows, self._passes, settings.seed, salt)
+        place = own * columns, own * rows, self._passes, settings.seed
+        return unit_points(*place, LAYERS)[:, 0]
 
     def _places(self, pixels) -> tuple[np.ndarray, np.ndarray]:
         """Column and row in the frame, int64."""
@@ -279,7 +288,8 @@ class FilteredTile:
         n = samples_of_a_pass(self._job.settings)
         spread = np.empty(len(self._active), np.float32)
         transparent = self._job.scene.transparent_film
-        fill_spreads(self._active, n, FLOOR / typical, transparent, self._sums, spread)
+        known = self._lamps.known(self._sums)
+        fill_spreads(self._active, n, FLOOR / typical, transparent, known, spread)
         taken = np.full(len(spread), self._passes * n, np.int32)
         return plan_counts(spread, taken, typical, self._job.settings.max_samples) > taken
 

@@ -21,9 +21,8 @@ from .sequence import scramble
 
 _BITS = 4294967296.0
 # Hashes 1 and 2 scramble the points of light.
-_ORDER_SALT, _X_SALT, _Y_SALT = 3, 4, 5
-# The salt of numbers for cut-outs (unit_numbers), and the next one.
-LAYER_NUMBERS = 6
+# What unit_points are for: each has three salts of its own; those from LAMPS on are the lamps'.
+FILTER, LENS, TIME, LAYERS, LAMPS = 3, 6, 9, 12, 15
 _CDF_NODES, _GUIDES = 4097, 1024
 
 
@@ -40,41 +39,45 @@ def _second_dimension(index):
     return bits
 
 
-@kernel
-def _fill_points(columns, rows, reversed_number, seed, out):
+@kernel(forceinline=True)
+def _reversed(number):
+    """The 32 bits of a number from the last to the first."""
     u = np.uint32
+    bits = u(number)
+    bits = u(u(bits << u(16)) | u(bits >> u(16)))
+    bits = u(u((bits & u(0x00FF00FF)) << u(8)) | u((bits >> u(8)) & u(0x00FF00FF)))
+    bits = u(u((bits & u(0x0F0F0F0F)) << u(4)) | u((bits >> u(4)) & u(0x0F0F0F0F)))
+    bits = u(u((bits & u(0x33333333)) << u(2)) | u((bits >> u(2)) & u(0x33333333)))
+    return u(u((bits & u(0x55555555)) << u(1)) | u((bits >> u(1)) & u(0x55555555)))
+
+
+@kernel(forceinline=True)
+def point_of_pixel(place, salt):
+    """(x, y), float64 in [0, 1): a point of a pixel's sequence number ``salt``, one of many.
+
+    place: (column, row, number, seed); three salts from this one on are in use
+    """
+    u = np.uint32
+    x, y, number, seed = place
+    index = scramble(_reversed(number), u(hash_pixel(x, y, seed, salt) * _BITS))
+    first = scramble(index, u(hash_pixel(x, y, seed, salt + 1) * _BITS))
+    second = scramble(_second_dimension(index), u(hash_pixel(x, y, seed, salt + 2) * _BITS))
+    return np.float64(first) / _BITS, np.float64(second) / _BITS
+
+
+@kernel
+def _fill_points(columns, rows, number, seed, salt, out):
     for k in range(len(columns)):
-        x, y = columns[k], rows[k]
-        index = scramble(reversed_number, u(hash_pixel(x, y, seed, _ORDER_SALT) * _BITS))
-        first = scramble(index, u(hash_pixel(x, y, seed, _X_SALT) * _BITS))
-        second = scramble(_second_dimension(index), u(hash_pixel(x, y, seed, _Y_SALT) * _BITS))
-        out[k, 0] = np.float64(first) / _BITS
-        out[k, 1] = np.float64(second) / _BITS
+        out[k, 0], out[k, 1] = point_of_pixel((columns[k], rows[k], number, seed), salt)
 
 
-def unit_points(columns, rows, number: int, seed: int) -> np.ndarray:
-    """float64 (n, 2) in [0, 1): point ``number`` of each pixel. columns, rows: int64 (n,)"""
+def unit_points(columns, rows, number: int, seed: int, salt: int = FILTER) -> np.ndarray:
+    """float64 (n, 2) in [0, 1): point ``number`` of each pixel. columns, rows: int64 (n,)
+
+    salt: what they are for, FILTER or another of these
+    """
     out = np.empty((len(columns), 2))
-    reversed_number = np.uint32(int(f"{number:032b}"[::-1], 2))
-    _fill_points(columns, rows, reversed_number, seed, out)
-    return out
-
-
-@kernel
-def _fill_numbers(columns, rows, reversed_number, seed, salt, out):
-    u = np.uint32
-    for k in range(len(columns)):
-        x, y = columns[k], rows[k]
-        index = scramble(reversed_number, u(hash_pixel(x, y, seed, salt) * _BITS))
-        number = scramble(index, u(hash_pixel(x, y, seed, salt + 1) * _BITS))
-        out[k] = np.float64(number) / _BITS
-
-
-def unit_numbers(columns, rows, number: int, seed: int, salt: int) -> np.ndarray:
-    """float64 (n,) in [0, 1): as unit_points, one dimension that is not in step with these."""
-    out = np.empty(len(columns))
-    reversed_number = np.uint32(int(f"{number:032b}"[::-1], 2))
-    _fill_numbers(columns, rows, reversed_number, seed, salt, out)
+    _fill_points(columns, rows, number, seed, salt, out)
     return out
 
 

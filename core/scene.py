@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .lamps import NO_LAMPS, Lamps
 from .program import Shaders
 
 EQUIRECTANGULAR, MIRROR_BALL = "EQUIRECTANGULAR", "MIRROR_BALL"
@@ -176,6 +177,7 @@ class Scene:
     transparent_film: alpha 0 where the camera sees the world
     exposure: factor of the film
     measured: the BRDFs that materials of model MEASURED name by their row
+    lamps: what lights the scene beside its environment
     """
 
     mesh: TriangleMesh
@@ -190,6 +192,7 @@ class Scene:
     transparent_film: bool = False
     exposure: float = 1.0
     measured: MeasuredBrdfs = NO_MEASURED
+    lamps: Lamps = NO_LAMPS
 
     def __post_init__(self):
         rows = self.materials.distribution[self.materials.model == MEASURED]

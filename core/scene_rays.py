@@ -116,23 +116,34 @@ class SceneRays:
         """The nearest hits that the camera sees; see Accel."""
         return self._parts.camera.intersect(origins, directions)
 
-    def occluded(self, origins: np.ndarray, directions: np.ndarray, out=None) -> np.ndarray:
+    def occluded(
+        self, origins: np.ndarray, directions: np.ndarray, out=None, reach=None
+    ) -> np.ndarray:
         """Whether a ray ends at anything that throws a shadow; see Accel."""
-        out = self._parts.solid.accel.occluded(origins, directions, out)
+        out = self._parts.solid.accel.occluded(origins, directions, out, reach)
         if self._parts.cut is None:
             return out
         rays = np.flatnonzero(~out)
         origins, directions = origins[rays], directions[rays]
+        reach = np.full(len(rays), np.inf, np.float32) if reach is None else reach[rays]
         for _ in range(MOST_LAYERS):
             hit, u, v = self._parts.cut.intersect(origins, directions)
             points = shading_points(self._scene.mesh, hit, u, v, directions)
+            way = points.position - origins[points.pixel]
+            reach = reach[points.pixel] - _length(way) / _length(directions[points.pixel])
+            points, reach = points.at(reach > 0.0), reach[reach > 0.0]
             if not len(points.pixel):
                 return out
             met, rays = points.pixel, rays[points.pixel]
             passing = passing_shares(self._scene, points, shadow=True)
             goes = drawn_numbers(u[met], v[met], directions[met]) < passing
             out[rays[~goes]] = True
-            rays = rays[goes]
-            origins, directions = behind(points.at(goes), self.offset)
+            rays, reach = rays[goes], reach[goes]
+            directions = directions[met][goes]
+            origins, _ = behind(points.at(goes), self.offset)
         out[rays] = True
         return out
+
+
+def _length(vectors: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))

@@ -153,6 +153,12 @@ class ClosureLayer(NamedTuple):
     seen: SeenPoints
     of: np.ndarray
 
+    def at(self, which: np.ndarray) -> ClosureLayer:
+        """Of some of the points, int (m,), ascending, what is in this layer."""
+        place = np.searchsorted(which, self.of).clip(max=max(len(which) - 1, 0))
+        kept = np.flatnonzero(which[place] == self.of) if len(which) else np.zeros(0, np.int64)
+        return ClosureLayer(self.seen.at(kept), place[kept])
+
 
 def with_all_lobes(scene: Scene, points: ShadingPoints) -> list[ClosureLayer]:
     """The materials of points, a layer for each closure that they mix."""

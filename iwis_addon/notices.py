@@ -79,6 +79,8 @@ def advice_before_render(scene) -> list[str]:
     lines = dependencies.advice()
     if scene.camera is None:
         lines.append("The scene has no camera: add one, or choose one in the scene's properties")
+    if any(thing.type == "LIGHT" and not thing.hide_render for thing in scene.objects):
+        return lines
     if scene.world is None:
         lines.append("The scene has no world: add one in the world's properties")
     elif environment_node(scene.world) is None:

@@ -2,7 +2,7 @@
 
 errors                       what can stop an export
 local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
-camera, world                the other parts of a Scene
+camera, lamps, world         the other parts of a Scene
 material, shader_reader      shader nodes to rows of materials, and to closures of programs
 program_builder, ..._nodes, ..._images, surface_data
                              value nodes to operations, with all that these look up
@@ -12,6 +12,7 @@ live                         a window's scene, of which only what has changed is
 
 from __future__ import annotations
 
+from ...core.lamps import make_lamps
 from ...core.program import Shaders
 from ...core.scene import NO_MEASURED, Scene
 from .camera import export_camera
@@ -21,7 +22,7 @@ from .material import MaterialExport, export_shaders
 from .measured import add_measured, without_measured
 from .mesh import ExportCache, MeshExport, export_mesh
 from .surface_data import surface_data
-from .world import export_world
+from .world import NO_LIGHT, NO_WORLD, export_world
 
 __all__ = [
     "ExportCache",
@@ -66,6 +67,9 @@ def export_scene(
         warnings,
         lambda lines: export_world(depsgraph, lines, texels),
     )
+    lamps = make_lamps(geometry.inventory.lamps)
+    if len(lamps.kind):
+        warnings[:] = [line for line in warnings if not line.endswith((NO_LIGHT, NO_WORLD))]
     if cancelled():
         raise ExportCancelled
     scene = depsgraph.scene_eval
@@ -81,6 +85,7 @@ def export_scene(
         object_flags=geometry.object_flags,
         transparent_film=scene.render.film_transparent,
         measured=measured or NO_MEASURED,
+        lamps=lamps,
         exposure=film_exposure(scene),
     )
 

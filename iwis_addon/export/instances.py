@@ -15,6 +15,7 @@ import numpy as np
 from ...core.nodes.hashing import hash_words
 from ...core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
 from .errors import ExportCancelled
+from .lamps import read_lamp
 from .local_mesh import LiveMeshes, LocalMesh, read_mesh
 
 UNSUPPORTED_TYPES = {
@@ -61,6 +62,7 @@ class Inventory(NamedTuple):
     materials: evaluated bpy materials, None where a slot is empty or an object has no slot
     sources: the bpy mesh of each part while the graph lives, None if it was a copy
     looks: one an instance
+    lamps: rows for core.lamps.make_lamps
     """
 
     parts: list[LocalMesh]
@@ -68,6 +70,7 @@ class Inventory(NamedTuple):
     materials: list
     sources: list
     looks: list[Look]
+    lamps: list[dict]
 
 
 def random_of_name(name: str) -> int:
@@ -116,8 +119,8 @@ class _Collector:
         self._override = depsgraph.view_layer_eval.material_override
         self._material_rows: dict[int, int] = {}
         self._parts: dict[tuple[int, int], tuple[int | None, list[int]]] = {}
-        self.inventory = Inventory([], [], [], [], [])
-        self.ignored = _Ignored()
+        self.inventory = Inventory([], [], [], [], [], [])
+        self.ignored, self.lamp_warnings = _Ignored(), []
 
     def _material_row(self, material) -> int:
         key = 0 if material is None else material.original.as_pointer()
@@ -209,7 +212,9 @@ class _Collector:
             random_id = item.random_id if item.is_instance else None
             self._add_mesh(obj, owner, item.matrix_world, random_id)
         elif kind == "LIGHT":
-            self.ignored.add("Only the world lights the scene, lights are ignored", obj.name)
+            lamp = read_lamp(obj, item.matrix_world, self.lamp_warnings)
+            if lamp is not None:
+                self.inventory.lamps.append(lamp)
         elif kind in UNSUPPORTED_TYPES:
             reason = f"Not rendered, {UNSUPPORTED_TYPES[kind]} are not supported"
             self.ignored.add(reason, obj.name)
@@ -237,4 +242,5 @@ def collect_instances(
         if shown is None or shown(item):
             collector.add(item)
     warnings.extend(collector.ignored.messages())
+    warnings.extend(collector.lamp_warnings)
     return collector.inventory

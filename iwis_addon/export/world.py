@@ -40,6 +40,9 @@ _IN_PARTS = {
     "MOVIE": "is a movie: only the frame that Blender shows is used",
     "TILED": "has UDIM tiles: only the first is used",
 }
+# Warnings that mean nothing where lamps light the scene.
+NO_LIGHT = "it gives no light: all is black but what emits by itself"
+NO_WORLD = "the scene has no world: the background is black; add one in World settings"
 _EMITTERS = ("ShaderNodeBackground", "ShaderNodeEmission")
 
 
@@ -57,9 +60,7 @@ def export_world(
     scene = getattr(depsgraph_or_scene, "scene_eval", depsgraph_or_scene)
     world = scene.world
     if world is None:
-        warnings.append(
-            "the scene has no world: the background is black; add one in World settings"
-        )
+        warnings.append(NO_WORLD)
         return _uniform(_BLACK, "no world", True)
     # Blender 5 always uses nodes and warns who asks.
     if world.node_tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):
@@ -70,7 +71,7 @@ def export_world(
     if len(warnings) == n_warnings and not (
         environment.strength.any() and environment.radiance.any()
     ):
-        reader.warn(None, "it gives no light: all is black but what emits by itself")
+        reader.warn(None, NO_LIGHT)
     return environment
 
 

@@ -261,7 +261,6 @@ def test_what_is_not_rendered_is_named(above):
     assert sorted(export_as_render(above).warnings) == [
         "Not rendered, hair curves are not supported: Curves",
         "Not rendered, volumes are not supported: Cloud",
-        "Only the world lights the scene, lights are ignored: Sun, Point",
     ]
 
 

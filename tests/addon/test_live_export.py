@@ -80,6 +80,20 @@ def brighten():
     tree.nodes["Background"].inputs["Strength"].default_value = 3.0
 
 
+def add_lamp():
+    obj = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def move_lamp():
+    bpy.data.objects["Lamp"].location.z += 1.0
+
+
+def dim_lamp():
+    bpy.data.lights["Lamp"].energy *= 0.5
+
+
 def instance():
     group = bpy.data.collections.new("Group")
     group.objects.link(bpy.data.objects["Cube"])
@@ -98,7 +112,7 @@ def click():
 
 
 @pytest.mark.parametrize(
-    "change", [move, bend, add_modifier, paint, brighten, instance, remove, click]
+    "change", [move, bend, add_modifier, paint, brighten, add_lamp, instance, remove, click]
 )
 def test_a_change_is_exported_as_from_scratch(window, change):
     """Whatever is kept, the result is equal to the last array."""
@@ -113,6 +127,15 @@ def test_a_change_is_exported_as_from_scratch(window, change):
 def test_unchanged_meshes_are_not_read(window, change):
     """A transform, the world or a click reads no mesh at all."""
     assert window.export(change)[1] == []
+
+
+@pytest.mark.parametrize("change", [move_lamp, dim_lamp])
+def test_a_lamp_changes_without_its_meshes(window, change):
+    """Other lamps, the very same mesh table, whose BVH is kept; a click changes nothing."""
+    before = window.export(add_lamp)[0]
+    after, read, _ = window.export(change)
+    assert not same(before.lamps, after.lamps) and after.mesh is before.mesh and read == []
+    assert same(window.export(click)[0], after)
 
 
 def test_only_the_changed_mesh_is_read(window):

@@ -183,7 +183,7 @@ def test_notices_merge_what_is_the_same_of_many():
         "Object C: 12 triangles left out",
         "Object A: 3 triangles left out",
         'object "C", material "K", node "N": Anisotropy is not supported',
-        "Only the world lights the scene, lights are ignored: Light",
+        "Not rendered, hair curves are not supported: Curves",
     ]
     notices = merge(lines)
     assert [(notice.count, len(notice.lines)) for notice in notices] == [(3, 2), (2, 2), (1, 1)]
@@ -218,6 +218,9 @@ def test_advice_before_a_render(cube_scene):
     cube_scene.camera = None
     text = " ".join(advice_before_render(cube_scene))
     assert "camera" in text and "world" in text
+    light = bpy.data.objects.new("Light", bpy.data.lights.new("Light", "POINT"))
+    cube_scene.collection.objects.link(light)
+    assert "world" not in " ".join(advice_before_render(cube_scene))  # lamps may be all there is
     cube_scene.world, cube_scene.camera = world, camera
 
 
@@ -230,11 +233,11 @@ def test_missing_package_is_told_first(cube_scene, monkeypatch):
 
 def test_warnings_are_copied_with_their_counts_and_select_objects(cube_scene):
     """Each line once, with how often it came; the button of a warning selects what it names."""
-    lines = ["Object Cube: broken", "Only the world lights the scene", "Object Cube: broken"]
+    lines = ["Object Cube: broken", "The scene is dark", "Object Cube: broken"]
     RenderJob.get().records.append(
         RenderRecord(1, "ViewLayer", "", RenderStats(warnings=list(lines)))
     )
-    assert warnings_text() == "Object Cube: broken (x 2)\nOnly the world lights the scene"
+    assert warnings_text() == "Object Cube: broken (x 2)\nThe scene is dark"
     assert bpy.ops.iwis.select_warned(number=0) == {"FINISHED"}
     assert [thing.name for thing in bpy.context.selected_objects] == ["Cube"]
     assert bpy.ops.iwis.select_warned(number=1) == {"CANCELLED"}

@@ -1,6 +1,14 @@
 """The list of all cases."""
 
-from . import closure_cases, coordinate_cases, image_cases, lit_cases, texture_cases, value_cases
+from . import (
+    closure_cases,
+    coordinate_cases,
+    image_cases,
+    lamp_cases,
+    lit_cases,
+    texture_cases,
+    value_cases,
+)
 from .cases import CASES
 
 _FAMILIES = (
@@ -10,5 +18,6 @@ _FAMILIES = (
     texture_cases,
     lit_cases,
     closure_cases,
+    lamp_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

@@ -1,7 +1,8 @@
 """One case, rendered by both: how much they differ beyond their own noise, and where.
 
 A case that only glows has no noise: one render each. A lit case is rendered twice by both, with
-other seeds: of the mean square of their difference the noise, known from the two, is taken off.
+other seeds, under lamps eight times by IWIS: of the mean square of their difference the noise,
+known from these, is taken off.
 """
 
 from __future__ import annotations
@@ -47,25 +48,25 @@ def run_case(case: Case, folder: Path) -> Result:
     """Build, render and compare."""
     scene, tree = empty_scene(case.lit)
     case.build(scene, tree)
-    seeds = (0, 1) if case.lit else (0,)
-    ours = [_render_iwis(scene, seed, folder, case.lit) for seed in seeds]
+    seeds = range(2 if case.noisy else 1)
+    ours = [_render_iwis(scene, seed, folder, case.noisy) for seed in range(case.renders)]
     warnings = RenderJob.get().records[-1].stats.warnings
-    theirs = [_render_cycles(scene, seed, folder, case.lit) for seed in seeds]
+    theirs = [_render_cycles(scene, seed, folder, case.noisy) for seed in seeds]
     return _compared(np.array(ours), np.array(theirs), case, warnings)
 
 
-def _render_iwis(scene, seed, folder, lit):
+def _render_iwis(scene, seed, folder, noisy):
     scene.iwis.seed = seed
     scene.iwis.pixel_filter = "CENTER"
-    scene.iwis.max_samples = IWIS_SAMPLES if lit else 1
+    scene.iwis.max_samples = IWIS_SAMPLES if noisy else 1
     scene.iwis.stop_rule = "FIXED"
     layers = render_iwis(scene, folder)
     return next(v for k, v in layers.items() if k.endswith("Combined"))
 
 
-def _render_cycles(scene, seed, folder, lit):
+def _render_cycles(scene, seed, folder, noisy):
     scene.cycles.seed = seed
-    samples = CYCLES_SAMPLES if lit else 1
+    samples = CYCLES_SAMPLES if noisy else 1
     use = cycles_render.use_cycles
     try:
         cycles_render.use_cycles = functools.partial(use, samples=samples)
@@ -76,8 +77,13 @@ def _render_cycles(scene, seed, folder, lit):
         cycles_render.use_cycles = use
 
 
+def _noise_of_mean(renders) -> float:
+    """The mean square error of the mean of renders with other seeds; of one, there is none."""
+    return float(renders.var(0, ddof=1).mean()) / len(renders) if len(renders) > 1 else 0.0
+
+
 def _compared(ours, theirs, case, warnings) -> Result:
-    noise = sum(((pair[0] - pair[-1]) ** 2).mean() for pair in (ours, theirs)) / 4.0
+    noise = sum(_noise_of_mean(renders) for renders in (ours, theirs))
     a, b = ours.mean(0), theirs.mean(0)
     if not case.with_alpha:
         a, b = a[..., :3], b[..., :3]

@@ -1,0 +1,280 @@
+"""The light of lamps at shading points: a sample of each lamp, and one by the BSDF.
+
+A sample goes to the lamp; where a lobe is narrow another follows the lobe and brings the light of
+the lamps that it meets, for a mirror shows a lamp. Both count by the power heuristic [Veach95].
+Of many lamps a few are taken, in proportion to their irradiance at the point, were nothing between.
+
+The numbers are Sobol points, scrambled and shuffled for each pixel and lamp (sequence.py), so that
+sample 0, 1, 2 ... of a pixel fill each lamp evenly and a picture depends on nothing else.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ._jit import kernel
+from .accel import Accel, start_shadow_ray
+from .brdf import eval_at, lobes_at, pdf_narrowest_at, sample_narrowest_at
+from .lamp_shapes import meet_lamp, sample_lamp
+from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, ROUND_BEAM, SUN, Lamps
+from .lobes import DIFFUSE_LOBE, Lobes
+from .microfacet import MIN_ALPHA
+from .pixel_filter import LAMPS, point_of_pixel
+from .pyramid import luminance
+from .shading import ShadingPoints
+
+# Columns of a point's light: (r, g, b) by the diffuse lobe, by the glossy one, and the luminance of
+# all, were nothing between the lamps and the point.
+UNOCCLUDED, COLUMNS = 6, 7
+# Up to so many lamps all are sampled; of more, so many at each point.
+ALL_LAMPS, CHOSEN_LAMPS = 16, 8
+# Lobes of a greater alpha leave their lamps to the lamps' own samples.
+_NARROW = np.float32(0.3)
+_CAPACITY = 8192  # rays that are traced together
+_BSDF_SALT, _CHOICE_SALT, _LAMP_SALT = LAMPS, LAMPS + 3, LAMPS + 6
+_ZERO = np.float32(0.0)
+
+
+class LampRays(NamedTuple):
+    """Shadow rays to lamps, float32 but point.
+
+    origins, directions: (capacity, 3); reach: (capacity,), metres; point: int32 (capacity,)
+    light: (capacity, COLUMNS), what each brings
+    """
+
+    origins: np.ndarray
+    directions: np.ndarray
+    reach: np.ndarray
+    point: np.ndarray
+    light: np.ndarray
+
+
+class LampSamples(NamedTuple):
+    """Which numbers a round takes. columns, rows: int64 (n,), the points' pixels in the frame"""
+
+    columns: np.ndarray
+    rows: np.ndarray
+    number: int
+    seed: int
+
+
+def powers_of(lamps: Lamps) -> np.ndarray:
+    """float64 (n,): radiant intensity of each lamp, or its irradiance where it has no distance."""
+    light = lamps.radiance.astype(np.float64) @ (0.2126, 0.7152, 0.0722)
+    width, height = lamps.size.astype(np.float64).T
+    area = np.where(height > 0.0, width * height, math.pi * width**2)
+    sun = lamps.kind == SUN
+    area[sun] = math.pi * np.sin(width[sun]) ** 2
+    beam = (lamps.kind == BEAM) | (lamps.kind == ROUND_BEAM)
+    return light * np.where(beam | (area == 0.0), 1.0, area)
+
+
+@kernel(forceinline=True)
+def _importance(lamps, powers, i, px, py, pz):
+    """What lamp i may bring to a point; 0 only where it brings nothing."""
+    kind = lamps.kind[i]
+    if kind == SUN:
+        return powers[i]
+    x = px - np.float64(lamps.position[i, 0])
+    y = py - np.float64(lamps.position[i, 1])
+    z = pz - np.float64(lamps.position[i, 2])
+    f = lamps.forward
+    if lamps.size[i, 1] > _ZERO and x * f[i, 0] + y * f[i, 1] + z * f[i, 2] <= 0.0:
+        return 0.0
+    if kind == BEAM or kind == ROUND_BEAM:
+        return powers[i]
+    radius = 0.5 * np.float64(max(lamps.size[i, 0], lamps.size[i, 1]))
+    return powers[i] / max(x * x + y * y + z * z, max(radius * radius, 1e-12))
+
+
+@kernel(forceinline=True)
+def _aim(points, p, target, far, lifted, offset, rays, n):
+    """Write ray n from point p along the unit vector ``target`` to a lamp ``far`` away."""
+    wx, wy, wz = target
+    x, y, z = np.float32(wx), np.float32(wy), np.float32(wz)
+    if not start_shadow_ray(points, p, x, y, z, lifted, offset, rays.origins, n):
+        return False
+    if far < 1e15:
+        wx = points.position[p, 0] + wx * far - np.float64(rays.origins[n, 0])
+        wy = points.position[p, 1] + wy * far - np.float64(rays.origins[n, 1])
+        wz = points.position[p, 2] + wz * far - np.float64(rays.origins[n, 2])
+        far = math.sqrt(wx * wx + wy * wy + wz * wz)
+        wx, wy, wz = wx / far, wy / far, wz / far
+        # Not as far as a ceiling in whose plane the lamp lies.
+        far -= max(1e-5 * far, np.float64(offset))
+    rays.directions[n, 0], rays.directions[n, 1], rays.directions[n, 2] = wx, wy, wz
+    rays.reach[n] = max(far, 0.0)
+    return True
+
+
+@kernel(forceinline=True)
+def _write(at, points, p, lamps, i, wi, far, weight, lifted, offset, rays, n, sums):
+    """Write the light of lamp i from wi as ray n, or add it at once; returns the next n.
+
+    weight: factor of its radiance times the BRDF and the cosine
+    """
+    dr, dg, db, gr, gg, gb = eval_at(at, np.float32(wi[0]), np.float32(wi[1]), np.float32(wi[2]))
+    seen_by, soft = lamps.seen_by[i], lamps.size[i, 0] > _ZERO
+    diffuse = weight if seen_by & BY_DIFFUSE else 0.0
+    glossy = weight if seen_by & BY_GLOSSY else 0.0
+    if at.alpha <= MIN_ALPHA and not (soft and lamps.kind[i] < BEAM):
+        glossy = 0.0  # a mirror shows nothing of what has no size
+    r, g, b = lamps.radiance[i, 0], lamps.radiance[i, 1], lamps.radiance[i, 2]
+    total = (dr * r + dg * g + db * b) * diffuse + (gr * r + gg * g + gb * b) * glossy
+    if not 0.0 < total < np.inf:
+        return n
+    light = rays.light
+    light[n, 0], light[n, 1], light[n, 2] = dr * r * diffuse, dg * g * diffuse, db * b * diffuse
+    light[n, 3], light[n, 4], light[n, 5] = gr * r * glossy, gg * g * glossy, gb * b * glossy
+    light[n, UNOCCLUDED] = luminance(
+        light[n, 0] + light[n, 3], light[n, 1] + light[n, 4], light[n, 2] + light[n, 5]
+    )
+    if not lamps.shadow[i]:
+        for c in range(COLUMNS):
+            sums[p, c] += light[n, c]
+        return n
+    if not _aim(points, p, wi, far, lifted, offset, rays, n):
+        return n
+    rays.point[n] = p
+    return n + 1
+
+
+@kernel(forceinline=True)
+def _power_heuristic(own, other):
+    own, other = own * own, other * other
+    return own / (own + other)
+
+
+@kernel(forceinline=True)
+def _to_lamp(at, points, p, lamps, i, share, follows, a, b, offset, rays, n, sums):
+    """A sample of lamp i from point p; share: samples of it that are expected."""
+    px, py, pz = _float64(points.position, p)
+    nx, ny, nz = _float64(points.normal, p)
+    dx, dy, dz, far, factor, pdf = sample_lamp(lamps, i, px, py, pz, nx, ny, nz, a, b)
+    if not factor > 0.0:
+        return n
+    weight = factor / (pdf * share)
+    if follows and lamps.size[i, 0] > _ZERO and lamps.kind[i] < BEAM:
+        by_lobe = pdf_narrowest_at(at, np.float32(dx), np.float32(dy), np.float32(dz))
+        weight *= _power_heuristic(pdf * share, np.float64(by_lobe))
+    below, face = np.float64(points.lift_below[p]), points.geometric_normal
+    above = face[p, 0] * dx + face[p, 1] * dy + face[p, 2] * dz
+    lifted = below > 0.0 and above < below + below
+    wi = dx, dy, dz
+    return _write(at, points, p, lamps, i, wi, far, weight, lifted, offset, rays, n, sums)
+
+
+@kernel(forceinline=True)
+def _float64(vectors, p):
+    return np.float64(vectors[p, 0]), np.float64(vectors[p, 1]), np.float64(vectors[p, 2])
+
+
+@kernel(forceinline=True)
+def _by_lobe(at, points, p, lamps, shares, u, v, offset, rays, n, sums):
+    """A sample of the narrow lobe: the light of all lamps that it meets."""
+    x, y, z = sample_narrowest_at(at, np.float32(u), np.float32(v))
+    pdf = np.float64(pdf_narrowest_at(at, x, y, z))
+    if not 0.0 < pdf < np.inf:
+        return n
+    dx, dy, dz = np.float64(x), np.float64(y), np.float64(z)
+    px, py, pz = _float64(points.position, p)
+    nx, ny, nz = _float64(points.normal, p)
+    for i in range(len(lamps.kind)):
+        if lamps.size[i, 0] == _ZERO or lamps.kind[i] >= BEAM:
+            continue
+        far, factor, by_lamp = meet_lamp(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
+        if factor > 0.0:
+            weight = factor * _power_heuristic(pdf, by_lamp * shares[i]) / pdf
+            wi = dx, dy, dz
+            n = _write(at, points, p, lamps, i, wi, far, weight, False, offset, rays, n, sums)
+    return n
+
+
+@kernel(forceinline=True)
+def _share_out(lamps, powers, points, p, shares):
+    """Write how many samples each lamp may expect at point p; returns their sum."""
+    px, py, pz = _float64(points.position, p)
+    total = 0.0
+    for i in range(len(powers)):
+        shares[i] = _importance(lamps, powers, i, px, py, pz)
+        total += shares[i]
+    for i in range(len(powers)):
+        shares[i] = shares[i] * CHOSEN_LAMPS / total if total > 0.0 else 0.0
+    return total
+
+
+@kernel
+def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, sums):
+    """Write a sample of points from ``first`` on: (the next point, number of rays)."""
+    n, p, n_lamps = 0, first, len(powers)
+    all_of_them = n_lamps <= ALL_LAMPS
+    most = n_lamps + (n_lamps if all_of_them else CHOSEN_LAMPS)
+    while p < len(points.pixel) and n + most <= len(rays.reach):
+        at = lobes_at(lobes, p)
+        place = samples.columns[p], samples.rows[p], samples.number, samples.seed
+        follows = at.kind > DIFFUSE_LOBE and at.alpha < _NARROW
+        if at.kind == 0:
+            p += 1
+            continue
+        if all_of_them:
+            for i in range(n_lamps):
+                shares[i] = 1.0
+                a, b = point_of_pixel(place, _LAMP_SALT + 3 * i)
+                n = _to_lamp(at, points, p, lamps, i, 1.0, follows, a, b, offset, rays, n, sums)
+        elif _share_out(lamps, powers, points, p, shares) > 0.0:
+            start, _ = point_of_pixel(place, _CHOICE_SALT)
+            i, passed = 0, shares[0]
+            for k in range(CHOSEN_LAMPS):
+                while passed <= start + k and i < n_lamps - 1:
+                    i += 1
+                    passed += shares[i]
+                if shares[i] > 0.0:
+                    a, b = point_of_pixel(place, _LAMP_SALT + 3 * k)
+                    own = at, points, p, lamps, i, shares[i], follows, a, b
+                    n = _to_lamp(*own, offset, rays, n, sums)
+        if follows:
+            u, v = point_of_pixel(place, _BSDF_SALT)
+            n = _by_lobe(at, points, p, lamps, shares, u, v, offset, rays, n, sums)
+        p += 1
+    return p, n
+
+
+@kernel
+def _add(rays, n, occluded, sums):
+    for k in range(n):
+        p = rays.point[k]
+        sums[p, UNOCCLUDED] += rays.light[k, UNOCCLUDED]
+        if not occluded[k]:
+            for c in range(UNOCCLUDED):
+                sums[p, c] += rays.light[k, c]
+
+
+def add_lamp_light(
+    points: ShadingPoints, lobes: Lobes, lamps: Lamps, accel: Accel, samples: LampSamples, sums
+) -> int:
+    """Add one sample of every lamp to each point; returns how many shadow rays were traced.
+
+    sums: float64 (n, COLUMNS), radiance, added to
+    """
+    n_lamps = len(lamps.kind)
+    if not n_lamps or not len(points.pixel):
+        return 0
+    capacity = max(min(_CAPACITY, 2 * n_lamps * len(points.pixel)), 2 * n_lamps + CHOSEN_LAMPS)
+    rays = LampRays(
+        *(np.empty((capacity, 3), np.float32) for _ in range(2)),
+        np.empty(capacity, np.float32),
+        np.empty(capacity, np.int32),
+        np.empty((capacity, COLUMNS), np.float32),
+    )
+    powers, shares = powers_of(lamps), np.empty(n_lamps)
+    offset, first, traced = np.float32(accel.offset), 0, 0
+    while first < len(points.pixel):
+        own = points, lobes, lamps, powers, shares, samples, offset, first
+        first, n = _draw(*own, rays, sums)
+        occluded = accel.occluded(rays.origins[:n], rays.directions[:n], reach=rays.reach[:n])
+        _add(rays, n, occluded, sums)
+        traced += n
+    return traced

@@ -1,0 +1,96 @@
+"""Lamps: what lights a scene beside its world. Data alone; lamp_shapes.py and lamp_light.py use it.
+
+A lamp is a shape with one radiance all over, which a spot's cone or a spread dims by direction. A
+shape without size has an intensity in its place, or an irradiance where it is a parallel beam.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+# Lamps.kind
+SUN, SPHERE, DISC, RECTANGLE, ELLIPSE, BEAM, ROUND_BEAM = range(7)
+# Lamps.seen_by
+BY_DIFFUSE, BY_GLOSSY = 1, 2
+EVERYWHERE = np.float32(-2.0)  # Lamps.cone of what is no spot
+
+
+class Lamps(NamedTuple):
+    """n lamps, in world space, metres.
+
+    kind: int8 (n,); SUN: a disc at infinity; SPHERE: of point and spot lamps; DISC: the same with
+        soft falloff, a disc that faces whoever looks at it; RECTANGLE, ELLIPSE: one-sided areas;
+        BEAM, ROUND_BEAM: such areas that shine along their axis only
+    seen_by: int8 (n,), BY_DIFFUSE | BY_GLOSSY: which lobes it lights
+    shadow: bool (n,), whether it casts shadows
+    position: float32 (n, 3), of the centre
+    forward, right, up: float32 (n, 3), unit: where it shines, and the sides of an area
+    size: float32 (n, 2): half the angle of a SUN, 0; radius of SPHERE and DISC, 0; width and height
+    radiance: float32 (n, 3); where there is no size W/sr, of a SUN without one and of beams W/m2
+    to_cone: float32 (n, 3, 3), world directions into the frame in which a spot's cone is round,
+        its axis -z; cone: float32 (n, 2), cosine of half its angle (EVERYWHERE: no spot) and the
+        inverse of the range of cosines over which its edge is soft
+    spread: float32 (n, 2): an area's radiance at an angle a from its axis is multiplied by
+        max(0, spread[0] - tan a) spread[1]; spread[0] = infinity: by 1
+    """
+
+    kind: np.ndarray
+    seen_by: np.ndarray
+    shadow: np.ndarray
+    position: np.ndarray
+    forward: np.ndarray
+    right: np.ndarray
+    up: np.ndarray
+    size: np.ndarray
+    radiance: np.ndarray
+    to_cone: np.ndarray
+    cone: np.ndarray
+    spread: np.ndarray
+
+    def at(self, which) -> Lamps:
+        """Those of a slice, of indices or of a mask."""
+        return Lamps(*(np.ascontiguousarray(column[which]) for column in self))
+
+
+_SHAPES = {
+    "position": (3,),
+    "forward": (3,),
+    "right": (3,),
+    "up": (3,),
+    "size": (2,),
+    "radiance": (3,),
+    "to_cone": (3, 3),
+    "cone": (2,),
+    "spread": (2,),
+}
+
+
+def make_lamps(rows: list[dict]) -> Lamps:
+    """The table of some lamps: a dict of Lamps' fields each; what is left out is no spot, spread
+    over its whole side, seen by all, with a shadow. Raises ValueError at a value that is not finite
+    or at a negative radiance."""
+    n = len(rows)
+    columns = {name: np.zeros((n, *shape), np.float32) for name, shape in _SHAPES.items()}
+    columns |= {"kind": np.zeros(n, np.int8), "shadow": np.ones(n, np.bool_)}
+    columns["seen_by"] = np.full(n, BY_DIFFUSE | BY_GLOSSY, np.int8)
+    columns["cone"][:, 0], columns["spread"][:, 0] = EVERYWHERE, np.inf
+    columns["forward"][:, 2], columns["right"][:, 0], columns["up"][:, 1] = -1.0, 1.0, 1.0
+    for k, row in enumerate(rows):
+        for name, value in row.items():
+            columns[name][k] = value
+    lamps = Lamps(**columns)
+    finite = all(np.isfinite(columns[name]).all() for name in ("position", "size", "radiance"))
+    if not finite or (lamps.radiance < 0.0).any():
+        raise ValueError("lamps must be finite, and their radiance not negative")
+    return lamps
+
+
+def is_soft(lamps: Lamps) -> np.ndarray:
+    """bool (n,): which have a size as they are seen from a point, so that one sample is not all."""
+    beam = (lamps.kind == BEAM) | (lamps.kind == ROUND_BEAM)
+    return (lamps.size[:, 0] > 0.0) & ~beam
+
+
+NO_LAMPS = make_lamps([])

@@ -1,0 +1,167 @@
+"""The light of lamps in a tile: beside the light of the world, by samples of its own.
+
+It is kept apart from the sums of the world's samples: what those know of visibility (I_s, the
+passes Unoccluded and Visibility) is about the HDRI.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ._jit import kernel
+from .accel import Accel
+from .incremental import PixelSums
+from .lamp_light import COLUMNS, UNOCCLUDED, LampSamples, add_lamp_light
+from .lamps import is_soft
+from .pass_sums import PassSums
+from .scene import Scene
+from .settings import RenderSettings
+from .tile_job import ClosureLayer
+
+# Shadow rays to lamps with a size that one shading point takes in a pass, while they are few.
+_RAYS_OF_A_PASS, _MOST_OF_A_PASS = 8, 4
+# Samples of each such lamp where a pixel has one shading point: so many, and so many in all where
+# the standard error of the mean is a greater part of it than this.
+_FIRST, _MOST, _SURE = 16, 64, 0.05
+
+
+class _Layers(NamedTuple):
+    """Layers of film.LAYERS, float32 (pixels, channels)."""
+
+    combined: np.ndarray
+    diffuse_direct: np.ndarray
+    diffuse_color: np.ndarray
+    glossy_direct: np.ndarray
+    glossy_color: np.ndarray
+
+
+class TileLamps:
+    """What lamps bring to n pixels of one tile (none: costs nothing); 60 bytes a pixel.
+
+    traced: shadow rays so far
+    """
+
+    def __init__(self, scene: Scene, settings: RenderSettings, accel: Accel, n: int):
+        soft = is_soft(scene.lamps)
+        self._soft, self._hard = scene.lamps.at(soft), scene.lamps.at(~soft)
+        self._any, self._accel, self._settings = len(soft) > 0, accel, settings
+        self._light = np.zeros((n if self._any else 0, COLUMNS))
+        self._count = np.zeros(len(self._light), np.int32)
+        # Powers of two: blocks of the sequence that fill a lamp evenly.
+        few = max(_RAYS_OF_A_PASS // max(int(soft.sum()), 1), 1)
+        self._of_a_pass = min(1 << (few.bit_length() - 1), _MOST_OF_A_PASS)
+        self.traced = 0
+
+    def add_pass(self, layers: list[ClosureLayer], places, number: int, sums) -> None:
+        """Add a pass's points to their pixels, and their light to what the stop rule sees of it.
+
+        layers: of the points; places: column and row in the frame of each; number: of the pass;
+        sums: PixelSums of the points, whose ``seen`` and ``seen_squared`` are of the world before
+        """
+        if not self._any:
+            return
+        pixel, count = layers[0].seen.points.pixel, self._of_a_pass
+        light = np.zeros((len(pixel), COLUMNS))
+        for k in range(count):
+            self._add(layers, self._soft, places, number * count + k, light)
+        light /= count
+        self._add(layers, self._hard, places, number, light)
+        _add_to_pixels(pixel, light, count, self._light, self._count)
+        _show(light, sums)
+
+    def known(self, sums: PassSums) -> PassSums:
+        """The sums as the stop rule is to see them, lamps and all; their other arrays are the same.
+
+        Else nobody would go on looking for the light in a pixel that has not seen its lamp yet.
+        """
+        if not self._any:
+            return sums
+        whole = self._light[:, UNOCCLUDED, None].astype(np.float32)
+        return sums._replace(count=sums.count + self._count, unoccluded=sums.unoccluded + whole)
+
+    def settle(self, layers: list[ClosureLayer], places) -> None:
+        """Have the light of points, once and for all; row k of the tile is point k."""
+        if not self._any:
+            return
+        most = min(max(self._settings.max_samples, 1), _MOST)
+        light = self._settled(layers, places, 0, min(_FIRST, most))
+        mean, squared = light[:, :COLUMNS], light[:, COLUMNS]
+        count = np.full(len(light), min(_FIRST, most))
+        if most > _FIRST:
+            total = _luminance(mean)
+            spread = np.maximum(squared / _FIRST - (total / _FIRST) ** 2, 0.0) / (_FIRST - 1)
+            hidden = (total == 0.0) & (mean[:, UNOCCLUDED] > 0.0)
+            unsure = np.flatnonzero(hidden | (spread * _FIRST**2 > (_SURE * total) ** 2))
+            some, where = [layer.at(unsure) for layer in layers], [p[unsure] for p in places]
+            mean[unsure] += self._settled(some, where, _FIRST, most)[:, :COLUMNS]
+            count[unsure] = most
+        self._light[:] = mean / count[:, None]
+        self._add(layers, self._hard, places, 0, self._light)
+
+    def _settled(self, layers, places, first, end) -> np.ndarray:
+        """float64 (n, COLUMNS + 1): sums of samples first ... end - 1, last squared luminance."""
+        sums = np.zeros((len(places[0]), COLUMNS + 1))
+        for k in range(first, end):
+            light = np.zeros((len(sums), COLUMNS))
+            self._add(layers, self._soft, places, k, light)
+            sums[:, :COLUMNS] += light
+            sums[:, COLUMNS] += _luminance(light) ** 2
+        return sums
+
+    def _add(self, layers, lamps, places, number, light) -> None:
+        own = 0 if self._settings.decorrelation == "NONE" else 1
+        for seen, of in layers:
+            columns, rows = (own * place[of].astype(np.int64) for place in places)
+            samples = LampSamples(columns, rows, number, self._settings.seed)
+            part = np.zeros((len(of), COLUMNS))
+            given = seen.points, seen.lobes, lamps, self._accel, samples, part
+            self.traced += add_lamp_light(*given)
+            light[of] += part
+
+    def add_to_layers(self, layers, rows, place, weight) -> None:
+        """Add the light to a tile's developed layers, in which its colours stand already.
+
+        rows: of the light; place: pixels of the layers, -1 = outside; weight: float64, of each
+        """
+        if not self._any:
+            return
+        flat = {name: layers[name].reshape(-1, layers[name].shape[2]) for name in _Layers._fields}
+        light = self._light[rows] * np.reshape(weight, (-1, 1))
+        _add_to_flat(place, light, _Layers(*(flat[name] for name in _Layers._fields)))
+
+
+@kernel
+def _add_to_flat(place, light, layers):
+    for k in range(len(place)):
+        p = place[k]
+        if p < 0:
+            continue
+        for a in range(3):
+            diffuse, glossy = light[k, a], light[k, 3 + a]
+            layers.combined[p, a] += diffuse + glossy
+            if layers.diffuse_color[p, a] > 0.0:
+                layers.diffuse_direct[p, a] += diffuse / np.float64(layers.diffuse_color[p, a])
+            if layers.glossy_color[p, a] > 0.0:
+                layers.glossy_direct[p, a] += glossy / np.float64(layers.glossy_color[p, a])
+
+
+@kernel
+def _add_to_pixels(pixel, light, count, out, counts):
+    for k in range(len(pixel)):
+        counts[pixel[k]] += count
+        for c in range(light.shape[1]):
+            out[pixel[k], c] += light[k, c]
+
+
+def _luminance(light) -> np.ndarray:
+    return (light[:, :3] + light[:, 3:6]) @ np.array((0.2126, 0.7152, 0.0722))
+
+
+def _show(light, sums: PixelSums) -> None:
+    """Add light to the mean that sums have of their samples, and leave their spread as it is."""
+    count = np.maximum(sums.count, 1)
+    before = sums.seen.copy()
+    sums.seen[:] += _luminance(light) * count
+    sums.seen_squared[:] += (sums.seen**2 - before**2) / count

@@ -1,0 +1,161 @@
+"""Blender's lights to core.lamps.Lamps, in Cycles' units.
+
+Strength is colour (times that of the temperature) x energy x 2^exposure x what the light's own
+nodes say. Normalised, it is watts for all but the sun, and of a lamp's area nothing is left but
+softness: radiance = W / (pi area), of a point W / 4 pi in W/sr; not normalised, it is pi times the
+radiance. A sun's strength is its irradiance, or its radiance. Rendered and compared: docs/parity.md
+"""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import numpy as np
+
+from ...core.lamps import (
+    BEAM,
+    BY_DIFFUSE,
+    BY_GLOSSY,
+    DISC,
+    ELLIPSE,
+    RECTANGLE,
+    ROUND_BEAM,
+    SPHERE,
+    SUN,
+)
+from .node_values import NodeReader, follow
+
+_STEEPEST = 1e30  # of a spot's edge: float32 has no infinity that times zero is zero
+
+
+class _LampNodes(NodeReader):
+    """Reads what a light's own nodes multiply its strength by."""
+
+    def __init__(self, object_name: str, light_name: str, warnings: list[str]):
+        super().__init__("", [], warnings)
+        self._where = f'object "{object_name}", light "{light_name}"'
+
+    def factor(self, tree) -> np.ndarray:
+        """float64 (3,). What varies over the lamp or with distance gets a warning."""
+        output = next((n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputLight"), None)
+        end = None if output is None else follow(output.inputs["Surface"])
+        if end is None or end.node is None:
+            self.warn(output, "nothing is linked to the Surface of the Light Output: it is dark")
+            return np.zeros(3)
+        if end.node.bl_idname != "ShaderNodeEmission":
+            self.warn(end.node, "only Emission is supported in a light: it shines as without nodes")
+            return np.ones(3)
+        return np.array(self.color(end.node, "Color", end.groups)) * self._strength(end)
+
+    def _strength(self, emission) -> float:
+        end = follow(emission.node.inputs["Strength"], emission.groups)
+        falloff = end.node is not None and end.node.bl_idname == "ShaderNodeLightFalloff"
+        if falloff and end.socket.name == "Quadratic":
+            if self.number(end.node, "Smooth", end.groups):
+                self.warn(end.node, "Smooth is not supported in a light: it is left out")
+            return self.number(end.node, "Strength", end.groups)
+        return self.number(emission.node, "Strength", emission.groups)
+
+
+def read_lamp(obj, matrix_world, warnings: list[str]) -> dict | None:
+    """A row for core.lamps.make_lamps of an evaluated light object; None: it gives no light.
+
+    matrix_world: of the instance; warnings: get what is not as in Cycles, by object and light
+    """
+    light, matrix = obj.data, np.array(matrix_world, np.float64)
+    if light.type == "AREA" and _cycles(light, "is_portal", False):
+        return None  # a portal shows Cycles where the world is
+    nodes = _LampNodes(obj.name, light.name, warnings)
+    strength = np.array(light.color, np.float64) * light.energy * 2.0**light.exposure
+    if light.use_temperature:
+        strength *= np.array(light.temperature_color)
+    # Blender 5 always uses nodes and warns who asks.
+    if light.node_tree is not None and (bpy.app.version >= (5, 0) or light.use_nodes):
+        strength *= nodes.factor(light.node_tree)
+    if not (np.isfinite(strength).all() and np.isfinite(matrix).all()):
+        nodes.warn(None, "its strength or transform is not finite: it is left out")
+        return None
+    if (strength < 0.0).any():
+        nodes.warn(None, "negative light is not supported: it is left out")
+        return None
+    linking = getattr(obj, "light_linking", None)
+    if linking and (linking.receiver_collection or linking.blocker_collection):
+        nodes.warn(None, "light linking is not supported: it lights all, and all cast its shadow")
+    row = _ROWS[light.type](light, matrix, strength)
+    if row is None or not strength.any():
+        return None
+    if obj.visible_camera and row["size"][0] > 0.0:
+        nodes.warn(
+            None, "a lamp is not shown to the camera: only its light and its reflections are"
+        )
+    seen_by = BY_DIFFUSE * obj.visible_diffuse | BY_GLOSSY * obj.visible_glossy
+    frame = {"position": matrix[:3, 3], "seen_by": seen_by, "shadow": light.use_shadow}
+    for name, column in (("right", matrix[:3, 0]), ("up", matrix[:3, 1])):
+        frame[name] = _unit(column)
+    return {"forward": _unit(-matrix[:3, 2])} | frame | row
+
+
+def _cycles(light, name, otherwise):
+    """A setting of Cycles' own, there as long as its add-on is enabled."""
+    return getattr(light.cycles, name, otherwise) if hasattr(light, "cycles") else otherwise
+
+
+def _unit(vector):
+    length = np.linalg.norm(vector)
+    return vector / length if length > 0.0 else vector
+
+
+def _point(light, _matrix, strength):
+    radius = light.shadow_soft_size
+    area = 4.0 * math.pi * radius**2 if radius > 0.0 else 4.0
+    return {
+        "kind": DISC if light.use_soft_falloff else SPHERE,
+        "size": (radius, 0.0),
+        "radiance": strength / (math.pi * (area if light.normalize else 1.0)),
+    }
+
+
+def _spot(light, matrix, strength):
+    edge = math.cos(0.5 * light.spot_size)
+    soft = (1.0 - edge) * light.spot_blend
+    return _point(light, matrix, strength) | {
+        "to_cone": np.linalg.pinv(matrix[:3, :3]),
+        "cone": (edge, min(1.0 / soft, _STEEPEST) if soft > 0.0 else _STEEPEST),
+    }
+
+
+def _sun(light, matrix, strength):
+    half = 0.5 * light.angle
+    area = math.pi * math.sin(half) ** 2 if half > 0.0 else 1.0
+    if not matrix[:3, 2].any():
+        return None
+    radiance = strength / area if light.normalize else strength
+    return {"kind": SUN, "size": (half, 0.0), "radiance": radiance}
+
+
+def _area(light, matrix, strength):
+    is_round = light.shape in ("DISK", "ELLIPSE")
+    height = light.size if light.shape in ("SQUARE", "DISK") else light.size_y
+    size = np.linalg.norm(matrix[:3, 0]) * light.size, np.linalg.norm(matrix[:3, 1]) * height
+    if size[0] * size[1] == 0.0 or not matrix[:3, 2].any():
+        return None
+    area = size[0] * size[1] * (0.25 * math.pi if is_round else 1.0)
+    radiance = strength / (math.pi * (area if light.normalize else 1.0))
+    if light.spread <= 0.0:
+        beam = {"kind": ROUND_BEAM if is_round else BEAM, "radiance": math.pi * radiance}
+        return {"size": size} | beam
+    kind = ELLIPSE if is_round else RECTANGLE
+    return {"kind": kind, "size": size, "radiance": radiance, "spread": _spread(light.spread)}
+
+
+def _spread(angle):
+    """Lamps.spread, of which the whole light stays the same."""
+    half = 0.5 * angle
+    if angle >= math.pi * (1.0 - 1e-6):
+        return math.inf, 1.0
+    # Below, a difference of the third order has no digits left.
+    return math.tan(half), 1.0 / (math.tan(half) - half) if half > 0.05 else 3.0 / half**3
+
+
+_ROWS = {"POINT": _point, "SPOT": _spot, "SUN": _sun, "AREA": _area}

@@ -1,0 +1,191 @@
+"""export/lamps.py: Blender's lights in Cycles' units, and what is told of them."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+import iwis
+from iwis.core.lamps import (
+    BEAM,
+    BY_DIFFUSE,
+    BY_GLOSSY,
+    DISC,
+    ELLIPSE,
+    RECTANGLE,
+    ROUND_BEAM,
+    SPHERE,
+    SUN,
+)
+from iwis.iwis_addon.export import export_scene
+from support.above import look_from_above
+
+
+@pytest.fixture
+def scene(scene):
+    """Empty but for a camera."""
+    look_from_above(scene)
+    return scene
+
+
+def add_light(kind, name="Lamp", **settings):
+    """A light object at (1, 2, 3). settings: of the light, or of the object where it has them"""
+    light = bpy.data.lights.new(f"{name} data", kind)
+    obj = bpy.data.objects.new(name, light)
+    obj.location = 1.0, 2.0, 3.0
+    for key, value in settings.items():
+        setattr(light if hasattr(light, key) else obj, key, value)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def exported():
+    """(the one lamp's row as a dict, warnings)."""
+    lines = []
+    scene = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines)
+    if not len(scene.lamps.kind):
+        return None, lines
+    assert len(scene.lamps.kind) == 1
+    return {name: value[0] for name, value in scene.lamps._asdict().items()}, lines
+
+
+FOUR_PI = 4.0 * math.pi
+STRENGTHS = {
+    "point": ("POINT", {}, SPHERE, 80.0 / FOUR_PI),
+    "point, watts a steradian": ("POINT", {"normalize": False}, SPHERE, 80.0 / math.pi),
+    "ball": ("POINT", {"shadow_soft_size": 0.5}, SPHERE, 80.0 / (FOUR_PI * math.pi * 0.25)),
+    "soft": ("POINT", {"use_soft_falloff": True}, DISC, 80.0 / FOUR_PI),
+    "exposed": ("POINT", {"exposure": -2.0}, SPHERE, 20.0 / FOUR_PI),
+    "sun": ("SUN", {"angle": 0.0}, SUN, 80.0),
+    "wide sun": ("SUN", {"angle": 0.4}, SUN, 80.0 / (math.pi * math.sin(0.2) ** 2)),
+    "sky": ("SUN", {"angle": 0.4, "normalize": False}, SUN, 80.0),
+    "square": ("AREA", {"size": 2.0}, RECTANGLE, 80.0 / (math.pi * 4.0)),
+    "panel": ("AREA", {"size": 2.0, "normalize": False}, RECTANGLE, 80.0 / math.pi),
+    "disk": ("AREA", {"shape": "DISK", "size": 2.0}, ELLIPSE, 80.0 / math.pi**2),
+    "beam": ("AREA", {"size": 2.0, "spread": 0.0}, BEAM, 20.0),
+    "round beam": (
+        "AREA",
+        {"shape": "ELLIPSE", "size": 2.0, "size_y": 1.0, "spread": 0.0},
+        ROUND_BEAM,
+        80.0 / (0.5 * math.pi),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", STRENGTHS)
+def test_strength_is_cycles(scene, name):
+    """Radiance, intensity or irradiance; tests/parity has the pictures."""
+    kind, settings, expected, radiance = STRENGTHS[name]
+    if kind == "POINT":
+        settings = {"use_soft_falloff": False} | settings
+    add_light(kind, energy=80.0, color=(1.0, 0.5, 0.25), **settings)
+    row, warnings = exported()
+    assert row["kind"] == expected
+    np.testing.assert_allclose(row["radiance"], radiance * np.array([1, 0.5, 0.25]), rtol=1e-6)
+    assert row["seen_by"] == BY_DIFFUSE | BY_GLOSSY and row["shadow"]
+    assert not any("Lamp" in line for line in warnings)
+
+
+def test_frame_size_and_flags(scene):
+    """An area under rotation and scale, without shadow, unseen by glossy rays."""
+    obj = add_light("AREA", shape="RECTANGLE", size=2.0, size_y=1.0, use_shadow=False)
+    obj.rotation_euler, obj.scale = (math.pi / 2, 0.0, 0.0), (3.0, 0.5, 7.0)
+    obj.visible_glossy = False
+    bpy.context.view_layer.update()
+    row, _ = exported()
+    np.testing.assert_allclose(row["position"], (1.0, 2.0, 3.0))
+    np.testing.assert_allclose(row["forward"], (0.0, 1.0, 0.0), atol=1e-6)
+    np.testing.assert_allclose(row["up"], (0.0, 0.0, 1.0), atol=1e-6)
+    np.testing.assert_allclose(row["size"], (6.0, 0.5))
+    assert row["seen_by"] == BY_DIFFUSE and not row["shadow"]
+    assert row["radiance"][0] == pytest.approx(10.0 / (math.pi * 3.0))
+
+
+def test_instances_of_a_lamp_are_lamps(scene):
+    """A collection of one light, instanced twice; hidden ones are not there."""
+    lamps = bpy.data.collections.new("Lamps")
+    obj = add_light("POINT")
+    scene.collection.objects.unlink(obj)
+    lamps.objects.link(obj)
+    for x in (10.0, 20.0):
+        empty = bpy.data.objects.new("Empty", None)
+        empty.instance_type, empty.instance_collection = "COLLECTION", lamps
+        empty.location.x = x
+        scene.collection.objects.link(empty)
+    add_light("POINT", "Hidden").hide_render = True
+    lamps = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=[]).lamps
+    places = sorted(map(tuple, lamps.position))
+    assert places[-2:] == [(11.0, 2.0, 3.0), (21.0, 2.0, 3.0)]
+
+
+def nodes_of(obj):
+    """The light's tree, with its Emission."""
+    if bpy.app.version < (5, 0):
+        obj.data.use_nodes = True
+    tree = obj.data.node_tree
+    return tree, tree.nodes["Emission"]
+
+
+def test_nodes_of_a_lamp_multiply_its_strength(scene):
+    """Color and Strength of its Emission, by constants and by RGB, Value and Light Falloff."""
+    tree, emission = nodes_of(add_light("SUN", angle=0.0, energy=2.0))
+    emission.inputs["Color"].default_value = (0.5, 0.25, 1.0, 1.0)
+    falloff = tree.nodes.new("ShaderNodeLightFalloff")
+    falloff.inputs["Strength"].default_value = 3.0
+    tree.links.new(falloff.outputs["Quadratic"], emission.inputs["Strength"])
+    row, warnings = exported()
+    np.testing.assert_allclose(row["radiance"], (3.0, 1.5, 6.0))
+    assert not any("Lamp" in line for line in warnings)
+
+
+def test_what_a_lamp_cannot_do_is_told(scene):
+    """A texture in its nodes, light linking, a lamp in view, negative light: by their names."""
+    obj = add_light("POINT", energy=-5.0)
+    row, warnings = exported()
+    assert row is None and any('"Lamp", light "Lamp data": negative' in line for line in warnings)
+    obj.data.energy = 5.0
+    tree, emission = nodes_of(obj)
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs["Color"], emission.inputs["Color"])
+    obj.light_linking.receiver_collection = bpy.data.collections.new("Receivers")
+    obj.visible_camera, obj.data.shadow_soft_size = True, 0.1
+    row, warnings = exported()
+    told = [line for line in warnings if line.startswith('object "Lamp", light "Lamp data"')]
+    assert row is not None and len(told) == 3
+    assert any("Noise" in line for line in told) and any("linking" in line for line in told)
+    assert any("not shown to the camera" in line for line in told)
+    tree.links.clear()
+    row, warnings = exported()
+    assert row is None and any("nothing is linked" in line for line in warnings)
+
+
+@pytest.mark.parametrize("kind", ["no energy", "no size", "portal"])
+def test_lamps_without_light_are_left_out(scene, kind):
+    """As in Cycles, without a word."""
+    obj = add_light("AREA", energy=0.0 if kind == "no energy" else 10.0)
+    if kind == "no size":
+        obj.scale.x = 0.0
+    if kind == "portal":
+        obj.data.cycles.is_portal = True
+    bpy.context.view_layer.update()
+    row, warnings = exported()
+    assert row is None and not any("Lamp" in line for line in warnings)
+
+
+def test_a_scene_without_world_needs_no_warning_with_a_lamp(scene):
+    """The world is not all that lights it."""
+    scene.world = None
+    assert any("no world" in line for line in exported()[1])
+    add_light("SUN")
+    assert not any("world" in line for line in exported()[1])
+
+
+def test_a_render_under_a_lamp_alone(cube_scene):
+    """From end to end: under a sun of irradiance pi a floor has the radiance of its albedo."""
+    cube_scene.world = None
+    add_light("SUN", energy=math.pi, angle=0.0)
+    layers = iwis.render(cube_scene)
+    combined = layers["combined"][..., :3]
+    lit = np.median(combined[combined > 0.0])
+    assert 0.3 < lit <= 1.0 and np.isfinite(combined).all()

@@ -1,0 +1,130 @@
+"""Lamps: each kind and setting alone, over the materials that show what is wrong with it."""
+
+import math
+
+import bpy
+
+from .cases import lit_by
+
+
+def _lamp(scene, kind, location, target=(0.0, 0.0, -0.4), scale=(1.0, 1.0, 1.0), **settings):
+    """A light that shines on a target. settings: of the light, and visible_... of its object"""
+    import mathutils
+
+    light = bpy.data.lights.new("Lamp", kind)
+    obj = bpy.data.objects.new("Lamp", light)
+    for name, value in settings.items():
+        setattr(obj if name.startswith("visible") else light, name, value)
+    away = mathutils.Vector(location) - mathutils.Vector(target)
+    obj.location, obj.scale = location, scale
+    obj.rotation_euler = away.to_track_quat("Z", "Y").to_euler()
+    scene.collection.objects.link(obj)
+    return light
+
+
+def _diffuse(tree):
+    return tree.made("ShaderNodeBsdfDiffuse", 0, {"Color": (0.7, 0.6, 0.5)})
+
+
+def _principled(roughness, **inputs):
+    values = {"Base Color": (0.6, 0.3, 0.2), "Roughness": roughness} | inputs
+    return lambda tree: tree.made("ShaderNodeBsdfPrincipled", 0, values)
+
+
+def _case(name, kind, location, make=_diffuse, world=False, also=None, **options):
+    """also: arguments of a second lamp"""
+
+    def build(scene, tree):
+        _lamp(scene, kind, location, **options)
+        if also is not None:
+            _lamp(scene, *also[:2], **also[2])
+        tree.surface(make(tree))
+
+    lit_by(name, build, world=world)
+
+
+_ABOVE, _SIDE = (1.5, -2.0, 3.0), (-2.5, -2.0, 1.5)
+_POINT, _AREA = {"energy": 300.0}, {"energy": 200.0, "visible_camera": False}
+_BALL = _POINT | {"shadow_soft_size": 0.4, "visible_camera": False}
+_SPOT = {"energy": 600.0, "spot_size": math.radians(40.0), "visible_camera": False}
+
+_case("Point", "POINT", _ABOVE, **_POINT)
+_case("Point, not normalized", "POINT", _ABOVE, normalize=False, **_POINT)
+_case("Point, radius", "POINT", _ABOVE, use_soft_falloff=False, **_BALL)
+_case("Point, radius, not normalized", "POINT", _ABOVE, normalize=False, **_BALL)
+_case("Point, soft falloff", "POINT", _ABOVE, use_soft_falloff=True, **_BALL)
+_case("Point, soft falloff, near", "POINT", (0.2, -0.4, 0.1), use_soft_falloff=True, **_BALL)
+_case("Point, scaled", "POINT", _ABOVE, scale=(3.0, 2.0, 0.5), **_BALL)
+_case("Point, no shadow", "POINT", _SIDE, use_shadow=False, **_BALL)
+_case("Point, coloured, exposed", "POINT", _SIDE, color=(1.0, 0.4, 0.1), exposure=-0.7, **_POINT)
+_case("Point, temperature", "POINT", _ABOVE, use_temperature=True, temperature=3200.0, **_POINT)
+_case("Point, factors of EEVEE", "POINT", _ABOVE, _principled(0.3), specular_factor=0.2, **_BALL)
+_case("Point, not for glossy", "POINT", _ABOVE, _principled(0.3), visible_glossy=False, **_BALL)
+_case("Point, not for diffuse", "POINT", _ABOVE, _principled(0.3), visible_diffuse=False, **_BALL)
+for _blend in (0.0, 0.15, 1.0):
+    _case(f"Spot, blend {_blend}", "SPOT", _ABOVE, spot_blend=_blend, **_SPOT)
+_case("Spot, radius", "SPOT", _ABOVE, spot_blend=0.5, shadow_soft_size=0.5, **_SPOT)
+_case("Spot, scaled", "SPOT", _ABOVE, spot_blend=0.5, scale=(1.6, 0.7, 1.0), **_SPOT)
+_case(
+    "Spot, radius, hard falloff",
+    "SPOT",
+    _ABOVE,
+    spot_blend=0.5,
+    shadow_soft_size=0.5,
+    use_soft_falloff=False,
+    **_SPOT,
+)
+for _degrees in (0.0, 5.0, 40.0):
+    _case(f"Sun, {_degrees:.0f} degrees", "SUN", _SIDE, energy=3.0, angle=math.radians(_degrees))
+_case("Sun, not normalized", "SUN", _SIDE, energy=3.0, angle=0.3, normalize=False)
+_SIZES = {
+    "SQUARE": {"size": 1.2},
+    "RECTANGLE": {"size": 2.5, "size_y": 0.4},
+    "DISK": {"size": 1.2},
+    "ELLIPSE": {"size": 2.0, "size_y": 0.7},
+}
+for _shape, _size in _SIZES.items():
+    _case(f"Area {_shape}", "AREA", _ABOVE, shape=_shape, **_size, **_AREA)
+    for _spread in (5.0, 60.0):
+        _case(
+            f"Area {_shape}, spread {_spread:.0f}",
+            "AREA",
+            _ABOVE,
+            shape=_shape,
+            spread=math.radians(_spread),
+            **_size,
+            **_AREA,
+        )
+_case("Area, spread 0", "AREA", _ABOVE, size=1.7, spread=0.0, **_AREA)
+_case("Area, not normalized", "AREA", _ABOVE, size=1.2, normalize=False, **_AREA)
+_case("Area, scaled", "AREA", _ABOVE, size=1.0, scale=(2.0, 0.5, 3.0), **_AREA)
+_case("Area, no shadow", "AREA", _SIDE, size=1.2, use_shadow=False, **_AREA)
+_case("Area, near the floor", "AREA", (0.0, -0.6, -0.8), size=0.6, target=(0, 3, -1.4), **_AREA)
+for _roughness in (0.05, 0.15, 0.3, 1.0):
+    _case(
+        f"Area, roughness {_roughness}",
+        "AREA",
+        _SIDE,
+        _principled(_roughness, Metallic=0.5),
+        size=1.5,
+        **_AREA,
+    )
+    _case(f"Sun, roughness {_roughness}", "SUN", _SIDE, _principled(_roughness), angle=0.1)
+    _case(
+        f"Point, roughness {_roughness}",
+        "POINT",
+        _SIDE,
+        _principled(_roughness, Metallic=0.5),
+        use_soft_falloff=False,
+        **_BALL,
+    )
+_case(
+    "Two lamps and a world",
+    "AREA",
+    _SIDE,
+    _principled(0.4),
+    world=True,
+    also=("POINT", _ABOVE, _POINT),
+    size=1.5,
+    **_AREA,
+)
