@@ -119,15 +119,15 @@ class CenterTile:
         scene, whole = self._job.scene, self._whole
         pixel, ends = _cell_pixels(whole.x % CELL_PX, whole.y % CELL_PX, *whole[2:])
         columns, rows = frame_places(whole, pixel)
-        origins, directions = rays_through(scene.camera, columns + 0.5, rows + 0.5)
-        self._primary += len(origins)
-        points = trace_points(self._job, origins, directions)
+        rays = rays_through(scene.camera, columns + 0.5, rows + 0.5)
+        self._primary += len(rays.origins)
+        points = trace_points(self._job, *rays)
         self._bounds = cell_bounds(points, ends)
         missed = np.ones(len(pixel), np.bool_)
         missed[points.pixel] = False
         places = places_in(self.rect, columns, rows)
         self._places = places[points.pixel]
-        self._missed = MissedRays(places[missed], directions[missed])
+        self._missed = MissedRays(places[missed], rays.directions[missed])
         self._seen = with_lobes(scene, points._replace(pixel=pixel[points.pixel]))
         if self._sums is None:
             self._sums = new_sums(len(points.pixel))

@@ -12,15 +12,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from .camera import camera_rays, pixel_grid, rays_through
+from .camera import camera_rays, pixel_grid
 from .develop import filtered_layers
 from .environment import eval_environment_many
 from .film import Tile
 from .guide import new_guides
 from .incremental import PixelSums, new_sums
 from .neighbours import cell_order
+from .pass_rays import blurred, pass_rays, world_blurred
 from .pass_sums import PassSums, add_background, add_seen, close_pass, fill_spreads, new_pass_sums
-from .pixel_filter import filter_offsets, unit_points
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .shading import ShadingPoints
 from .stop_rule import FLOOR, paper_rule, plan_counts, threshold_of, typical_count
@@ -36,7 +36,8 @@ from .tile_job import (
 )
 
 _PILOT, _SILHOUETTE = 4, 1.2
-_WORLD, _NO_OBJECT = np.int32(-1), np.int32(0x7FFFFFFF)
+# In place of a row of the objects.
+_NOTHING, _WORLD, _NO_OBJECT = np.int32(-2), np.int32(-1), np.int32(0x7FFFFFFF)
 
 
 def samples_of_a_pass(settings) -> int:
@@ -51,7 +52,7 @@ def samples_of_a_pass(settings) -> int:
 
 
 class FilteredTile:
-    """Several shading points a pixel (tile_job.TileWork); 280 bytes a pixel between calls.
+    """Several shading points a pixel (tile_job.TileWork); 284 bytes a pixel between calls.
 
     The work is at whole cells of the frame (neighbours.py), of which ``develop`` cuts the tile:
     their guides learn from all passes. Arrays are over these cells and one pixel around them, row
@@ -70,7 +71,8 @@ class FilteredTile:
         self._n_cells = int(self._cell.max()) + 1
         self._guides = new_guides(self._n_cells if learns else 0)
         # The least and the greatest object that a pixel's first passes saw.
-        self._least, self._greatest = np.full(n, _NO_OBJECT), np.full(n, _WORLD)
+        self._least, self._greatest = np.full(n, _NO_OBJECT), np.full(n, _NOTHING)
+        self._blurred = np.zeros(n, np.bool_)
         self._passes = self._traced = self._primary = 0
 
     def advance(self, samples: int) -> bool:
@@ -175,32 +177,30 @@ class FilteredTile:
         pilot, looked = self._passes < _PILOT, self._active
         if pilot:
             looked = np.append(looked, np.flatnonzero(self._cell < 0).astype(np.int32))
-        origins, directions = self._rays(looked)
-        points = trace_points(self._job, origins, directions)
+        rays = self._rays(looked)
+        points = trace_points(self._job, *rays)
         self._primary += len(looked)
         missed = np.ones(len(looked), np.bool_)
         missed[points.pixel] = False
         points = points._replace(pixel=looked[points.pixel])
         if pilot:
-            self._note_objects(looked[missed], points)
+            self._note_objects(looked[missed], rays.directions[missed].any(axis=1), points)
             inside = self._cell >= 0
             missed &= inside[looked]
             points = ShadingPoints(*(column[inside[points.pixel]] for column in points))
-        return points, looked[missed], directions[missed]
+        return points, looked[missed], rays.directions[missed]
 
     def _rays(self, pixels):
-        settings = self._job.settings
         rows, columns = np.divmod(pixels.astype(np.int64), self._around.width)
         columns, rows = columns + self._around.x, rows + self._around.y
-        own = 0 if settings.decorrelation == "NONE" else 1
-        points = unit_points(own * columns, own * rows, self._passes, settings.seed)
-        offsets = filter_offsets(settings.pixel_filter, settings.filter_width, points)
-        return rays_through(
-            self._job.scene.camera, columns + 0.5 + offsets[:, 0], rows + 0.5 + offsets[:, 1]
-        )
+        scene, settings = self._job.scene, self._job.settings
+        return pass_rays(scene.camera, settings, columns, rows, self._passes)
 
     def _add_world(self, pixels, directions) -> None:
-        scene = self._job.scene
+        scene, looks = self._job.scene, directions.any(axis=1)
+        if not looks.all():
+            self._sums.blind[pixels[~looks]] += 1
+            pixels, directions = pixels[looks], directions[looks]
         if not len(pixels) or not scene.environment.visible_to_camera:
             return
         radiance = np.empty((len(pixels), 3), np.float32)
@@ -217,11 +217,15 @@ class FilteredTile:
         )
         return sums
 
-    def _note_objects(self, missed, points: ShadingPoints) -> None:
+    def _note_objects(self, missed, looks, points: ShadingPoints) -> None:
         objects = self._job.scene.mesh.object_index[points.triangle]
-        for pixels, seen in ((missed, _WORLD), (points.pixel, objects)):
+        world = np.where(looks, _WORLD, _NOTHING)
+        for pixels, seen in ((missed, world), (points.pixel, objects)):
             self._least[pixels] = np.minimum(self._least[pixels], seen)
             self._greatest[pixels] = np.maximum(self._greatest[pixels], seen)
+        camera = self._job.scene.camera
+        self._blurred[points.pixel] |= blurred(camera, points.position)
+        self._blurred[missed] |= world_blurred(camera)
 
     def _goes_on(self) -> np.ndarray:
         """bool, one for each active pixel: whether it takes another pass."""
@@ -247,11 +251,12 @@ class FilteredTile:
         return plan_counts(spread, taken, typical, self._job.settings.max_samples) > taken
 
     def _near_silhouette(self) -> np.ndarray:
-        """bool: pixels that see, themselves or by a neighbour, more than one object."""
+        """bool: pixels that see, themselves or by a neighbour, more than one object; and blurred
+        ones, where a few rays say little of what there is."""
         least, greatest = self._shaped(self._least), self._shaped(self._greatest)
         near = np.zeros(least.shape, np.bool_)
         near[1:-1, 1:-1] = _of_nine(least, np.minimum) != _of_nine(greatest, np.maximum)
-        return near.ravel()
+        return near.ravel() | self._blurred
 
     def _cells(self, whole: Rect) -> tuple[np.ndarray, np.ndarray]:
         """Pixels to sample, int32, by cells; the cell of each looked through, -1 around them."""

@@ -25,9 +25,10 @@ _PRIOR_PASSES = 2.0
 
 
 class PassSums(NamedTuple):
-    """Sums over the passes of each pixel; 136 bytes a pixel.
+    """Sums over the passes of each pixel; 140 bytes a pixel.
 
-    passes, hits: int32 (n,), shading points taken, and those that saw an object
+    passes, hits, blind: int32 (n,), rays taken, those that saw an object, and those outside a
+        panorama's image circle: black, and opaque even where the world is transparent, as in Cycles
     count, visible: int32 (n,), shadow rays, and those that reached the light
     diffuse, glossy, unoccluded, emission, environment: float32 (n, 3), light
     diffuse_color, glossy_color, normal: float32 (n, 3)
@@ -38,6 +39,7 @@ class PassSums(NamedTuple):
 
     passes: np.ndarray
     hits: np.ndarray
+    blind: np.ndarray
     count: np.ndarray
     visible: np.ndarray
     diffuse: np.ndarray
@@ -57,7 +59,7 @@ class PassSums(NamedTuple):
 def new_pass_sums(n: int) -> PassSums:
     """Zero sums for n pixels."""
     return PassSums(
-        *(np.zeros(n, np.int32) for _ in range(4)),
+        *(np.zeros(n, np.int32) for _ in range(5)),
         *(np.zeros((n, 3), np.float32) for _ in range(8)),
         np.full(n, np.inf, np.float32),
         np.zeros(n),

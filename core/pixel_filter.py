@@ -22,6 +22,8 @@ from .sequence import scramble
 _BITS = 4294967296.0
 # Hashes 1 and 2 scramble the points of light.
 _ORDER_SALT, _X_SALT, _Y_SALT = 3, 4, 5
+# What unit_points are for: each has its own shuffle and scrambles.
+FILTER, LENS, TIME = 0, 1000, 2000
 _CDF_NODES, _GUIDES = 4097, 1024
 
 
@@ -39,22 +41,27 @@ def _second_dimension(index):
 
 
 @kernel
-def _fill_points(columns, rows, reversed_number, seed, out):
+def _fill_points(columns, rows, reversed_number, seed, salt, out):
     u = np.uint32
     for k in range(len(columns)):
         x, y = columns[k], rows[k]
-        index = scramble(reversed_number, u(hash_pixel(x, y, seed, _ORDER_SALT) * _BITS))
-        first = scramble(index, u(hash_pixel(x, y, seed, _X_SALT) * _BITS))
-        second = scramble(_second_dimension(index), u(hash_pixel(x, y, seed, _Y_SALT) * _BITS))
+        index = scramble(reversed_number, u(hash_pixel(x, y, seed, salt + _ORDER_SALT) * _BITS))
+        first = scramble(index, u(hash_pixel(x, y, seed, salt + _X_SALT) * _BITS))
+        second = scramble(
+            _second_dimension(index), u(hash_pixel(x, y, seed, salt + _Y_SALT) * _BITS)
+        )
         out[k, 0] = np.float64(first) / _BITS
         out[k, 1] = np.float64(second) / _BITS
 
 
-def unit_points(columns, rows, number: int, seed: int) -> np.ndarray:
-    """float64 (n, 2) in [0, 1): point ``number`` of each pixel. columns, rows: int64 (n,)"""
+def unit_points(columns, rows, number: int, seed: int, salt: int = FILTER) -> np.ndarray:
+    """float64 (n, 2) in [0, 1): point ``number`` of each pixel. columns, rows: int64 (n,)
+
+    salt: FILTER, LENS or TIME
+    """
     out = np.empty((len(columns), 2))
     reversed_number = np.uint32(int(f"{number:032b}"[::-1], 2))
-    _fill_points(columns, rows, reversed_number, seed, out)
+    _fill_points(columns, rows, reversed_number, seed, salt, out)
     return out
 
 

@@ -14,7 +14,6 @@ import numpy as np
 
 from .accel import Accel
 from .block_loop import Places, Room, continue_blocks, new_room
-from .camera import planar_depth
 from .film import Tile
 from .guide import Guides
 from .incremental import PixelSums, Sampler, continue_points
@@ -124,15 +123,24 @@ class SeenPoints(NamedTuple):
         )
 
 
-def trace_points(job: Job, origins, directions) -> ShadingPoints:
-    """The points that camera rays see, float32 (n, 3); ``pixel`` is the row of the ray."""
+def trace_points(job: Job, origins, directions, reach) -> ShadingPoints:
+    """The points that camera rays see (camera.CameraRays); ``pixel`` is the row of the ray."""
     scene = job.scene
-    hit, u, v = job.accel.intersect(origins, directions)
+    hit, u, v = job.accel.intersect(*_that_look(origins, directions))
     points = shading_points(scene.mesh, hit, u, v, directions, scene.terminator_offset)
-    near_enough = planar_depth(scene.camera, points.position) <= scene.camera.clip_end
+    away = points.position - origins[points.pixel]
+    near_enough = -np.einsum("ij,ij->i", away, points.wo) <= reach[points.pixel]
     if not near_enough.all():
         points = ShadingPoints(*(np.ascontiguousarray(column[near_enough]) for column in points))
     return points
+
+
+def _that_look(origins, directions):
+    """Rays with a direction for each: Embree is not to be asked for one of length 0."""
+    blind = ~directions.any(axis=1)
+    if not blind.any():
+        return origins, directions
+    return origins, np.where(blind[:, None], np.float32([0.0, 0.0, 1.0]), directions)
 
 
 def with_lobes(scene: Scene, points: ShadingPoints) -> SeenPoints:

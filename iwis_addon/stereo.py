@@ -6,7 +6,8 @@ import dataclasses
 
 import numpy as np
 
-from ..core.scene import ORTHOGRAPHIC, PERSPECTIVE, Camera, Scene
+from ..core.scene import Camera, Scene
+from .export.camera import camera_optics
 
 
 def camera_of_view(engine, scene, exported: Scene, view: str) -> Camera:
@@ -20,25 +21,9 @@ def camera_of_view(engine, scene, exported: Scene, view: str) -> Camera:
     camera = engine.camera_override or scene.camera  # of this view, where each has its own
     lens = exported.camera
     if camera.name != scene.camera.name:
-        lens = _with_lens_of(lens, scene, camera.data)
+        lens = dataclasses.replace(lens, **camera_optics(camera, scene.render, []))
     matrix = np.array(engine.camera_model_matrix(camera), dtype=np.float64).reshape(4, 4)
     return _placed(lens, matrix, engine.camera_shift_x(camera) - camera.data.shift_x, camera.data)
-
-
-def _with_lens_of(exported: Camera, scene, data) -> Camera:
-    """The exported frame seen through another camera's lens."""
-    corners = np.array(data.view_frame(scene=scene), dtype=np.float64)
-    orthographic = data.type == "ORTHO"
-    if not orthographic:
-        corners /= -corners[:, 2:]
-    (left, bottom), (right, top) = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
-    return dataclasses.replace(
-        exported,
-        kind=ORTHOGRAPHIC if orthographic else PERSPECTIVE,
-        window=(left, right, bottom, top),
-        clip_start=data.clip_start,
-        clip_end=data.clip_end,
-    )
 
 
 def _placed(camera: Camera, matrix, shift_x, data) -> Camera:

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.camera import camera_rays, planar_depth
+from iwis.core.camera import camera_rays, view_depth
 from support.scenes import camera_above, camera_at
 
 CAMERAS = {
@@ -29,7 +29,7 @@ def _project(camera, points):
 def test_every_point_of_a_ray_projects_to_its_pixels_centre(name):
     """Near and far, for all pixels of the frame, row by row from the bottom."""
     camera = CAMERAS[name]
-    origins, directions = camera_rays(camera, 0, 0, 8, 6)
+    origins, directions, _ = camera_rays(camera, 0, 0, 8, 6)
     y, x = np.mgrid[:6, :8] + 0.5
     expected = np.stack([x.ravel(), y.ravel()], -1)
     for distance in (0.5, 20.0):
@@ -41,8 +41,8 @@ def test_every_point_of_a_ray_projects_to_its_pixels_centre(name):
 def test_rays_start_on_the_near_plane_and_are_unit(name):
     """clip_start metres along the axis, whatever the pixel."""
     camera = dataclasses.replace(CAMERAS[name], clip_start=0.75)
-    origins, directions = camera_rays(camera, 0, 0, 8, 6)
-    np.testing.assert_allclose(planar_depth(camera, origins), 0.75, atol=2e-6)  # float32, 5 m
+    origins, directions, _ = camera_rays(camera, 0, 0, 8, 6)
+    np.testing.assert_allclose(view_depth(camera, origins), 0.75, atol=2e-6)  # float32, 5 m
     np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1.0, atol=2e-7)  # float32
     assert origins.dtype == directions.dtype == np.float32
 
@@ -51,8 +51,8 @@ def test_rays_start_on_the_near_plane_and_are_unit(name):
 def test_rays_of_a_part_are_those_of_the_whole(name):
     """A tile's rays are the frame's, bit for bit: borders and tiles change nothing."""
     camera = CAMERAS[name]
-    whole = [a.reshape(6, 8, 3) for a in camera_rays(camera, 0, 0, 8, 6)]
-    part = [a.reshape(2, 3, 3) for a in camera_rays(camera, 4, 3, 3, 2)]
+    whole = [a.reshape(6, 8, -1) for a in camera_rays(camera, 0, 0, 8, 6)]
+    part = [a.reshape(2, 3, -1) for a in camera_rays(camera, 4, 3, 3, 2)]
     for a, b in zip(whole, part, strict=True):
         np.testing.assert_array_equal(a[3:5, 4:7], b)
 
@@ -63,13 +63,13 @@ def test_shifted_windows_move_the_picture():
     left, right, bottom, top = camera.window
     step = 2.0 * (right - left) / camera.width
     shifted = dataclasses.replace(camera, window=(left + step, right + step, bottom, top))
-    _, before = camera_rays(camera, 2, 0, 4, 6)
-    _, after = camera_rays(shifted, 0, 0, 4, 6)
+    _, before, _ = camera_rays(camera, 2, 0, 4, 6)
+    _, after, _ = camera_rays(shifted, 0, 0, 4, 6)
     np.testing.assert_allclose(after, before, atol=1e-7)  # float32
 
 
-def test_planar_depth_is_along_the_axis():
+def test_view_depth_is_along_the_axis():
     """Not along the ray: all points of a plane across the axis are equally deep."""
     camera = CAMERAS["orthographic"]
     positions = np.float32([[0, 0, 4], [1.5, -1, 4], [0, 0, 6]])
-    np.testing.assert_allclose(planar_depth(camera, positions), [1.0, 1.0, -1.0], atol=1e-6)
+    np.testing.assert_allclose(view_depth(camera, positions), [1.0, 1.0, -1.0], atol=1e-6)

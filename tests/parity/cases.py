@@ -10,12 +10,14 @@ from dataclasses import dataclass
 class Case:
     """build(scene, tree) makes the material; lit: by a world, else it glows by itself.
 
+    blurred: by the camera: several points a pixel, two renders by both even where it glows
     warns: a part of the warning that IWIS must give; differs: why Cycles' picture is another one
     """
 
     name: str
     build: Callable
     lit: bool = False
+    blurred: bool = False
     with_alpha: bool = False
     warns: str = ""
     differs: str = ""

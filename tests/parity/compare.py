@@ -1,7 +1,8 @@
 """One case, rendered by both: how much they differ beyond their own noise, and where.
 
-A case that only glows has no noise: one render each. A lit case is rendered twice by both, with
-other seeds: of the mean square of their difference the noise, known from the two, is taken off.
+A case that only glows has no noise: one render each. A lit or blurred case is rendered twice by
+both, with other seeds: of the mean square of their difference the noise, known from the two, is
+taken off.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ LIMIT = 0.01
 # Pixels at an edge see, in Cycles, a ray within a hundredth of a pixel of the centre.
 EDGES = 0.01
 IWIS_SAMPLES, CYCLES_SAMPLES = 64, 128
+BLURRED_PASSES = 256
 
 
 class Result(NamedTuple):
@@ -47,25 +49,30 @@ def run_case(case: Case, folder: Path) -> Result:
     """Build, render and compare."""
     scene, tree = empty_scene(case.lit)
     case.build(scene, tree)
-    seeds = (0, 1) if case.lit else (0,)
-    ours = [_render_iwis(scene, seed, folder, case.lit) for seed in seeds]
+    seeds = (0, 1) if case.lit or case.blurred else (0,)
+    ours = [_render_iwis(scene, seed, folder, case) for seed in seeds]
     warnings = RenderJob.get().records[-1].stats.warnings
-    theirs = [_render_cycles(scene, seed, folder, case.lit) for seed in seeds]
+    theirs = [_render_cycles(scene, seed, folder, case) for seed in seeds]
     return _compared(np.array(ours), np.array(theirs), case, warnings)
 
 
-def _render_iwis(scene, seed, folder, lit):
+def _render_iwis(scene, seed, folder, case):
     scene.iwis.seed = seed
-    scene.iwis.pixel_filter = "CENTER"
-    scene.iwis.max_samples = IWIS_SAMPLES if lit else 1
+    scene.iwis.pixel_filter = "BLACKMAN_HARRIS" if case.blurred else "CENTER"
+    scene.iwis.filter_width = 0.01  # as Cycles' here: the middle of the pixel
+    scene.iwis.max_samples = IWIS_SAMPLES if case.lit else 1
+    if case.blurred:
+        scene.iwis.max_samples = BLURRED_PASSES * scene.iwis.batch_size
     scene.iwis.stop_rule = "FIXED"
     layers = render_iwis(scene, folder)
     return next(v for k, v in layers.items() if k.endswith("Combined"))
 
 
-def _render_cycles(scene, seed, folder, lit):
+def _render_cycles(scene, seed, folder, case):
     scene.cycles.seed = seed
-    samples = CYCLES_SAMPLES if lit else 1
+    samples = CYCLES_SAMPLES if case.lit else 1
+    if case.blurred:
+        samples = BLURRED_PASSES
     use = cycles_render.use_cycles
     try:
         cycles_render.use_cycles = functools.partial(use, samples=samples)
