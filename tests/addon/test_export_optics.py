@@ -100,7 +100,8 @@ def test_blender_has_no_panorama_that_is_unknown(view):
 
 def test_a_panorama_sees_all_around(view, tmp_path):
     """The camera is in the cube: a render shows all six walls, at their distance."""
-    view.camera.matrix_world = Matrix.Identity(4)
+    bpy.ops.mesh.primitive_cube_add(size=2.0, location=(20.0, 0.0, 0.0))
+    view.camera.matrix_world = Matrix.Translation((20.0, 0.0, 0.0))
     data = view.camera.data
     data.type, data.dof.use_dof = "PANO", False
     owner = data if hasattr(data, "panorama_type") else data.cycles
