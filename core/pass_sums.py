@@ -159,6 +159,25 @@ def fill_spreads(pixel, samples, floor, with_alpha, state, spread):
             spread[i] = max(np.float64(spread[i]), np.sqrt(share * (1.0 - share) * samples))
 
 
+def cell_spreads(cell: np.ndarray, n_cells: int, passes, light, spread) -> np.ndarray:
+    """r of the cells, float32 (n_cells,): what their pixels say together; 0 for one without any.
+
+    Four passes that miss a bright spot out of focus would end a pixel, and four that hit it would
+    not: dark holes. So a blurred pixel asks all of its cell, and its own luck hardly counts. The
+    larger of: the pixels' mean variance over the square of their mean light; their mean r^2.
+    cell: int (n,); passes, light, spread: of n pixels, as PassSums and fill_spreads have them
+    """
+    mean = light / np.maximum(passes, 1)
+    squared = np.float64(spread) ** 2
+    count = np.maximum(np.bincount(cell, minlength=n_cells), 1)
+    variance = np.bincount(cell, squared * mean**2, n_cells) / count
+    whole = np.bincount(cell, mean, n_cells) / count
+    pooled = np.divide(variance, whole**2, out=np.zeros(n_cells), where=whole > 0.0)
+    return np.sqrt(np.maximum(pooled, np.bincount(cell, squared, n_cells) / count)).astype(
+        np.float32
+    )
+
+
 @kernel
 def close_pass(pixel, with_alpha, state):
     """Count a pass of the pixels, int32 (n,), and update their errors.

@@ -26,7 +26,7 @@ LIMIT = 0.01
 # Pixels at an edge see, in Cycles, a ray within a hundredth of a pixel of the centre.
 EDGES = 0.01
 IWIS_SAMPLES, CYCLES_SAMPLES = 64, 128
-BLURRED_PASSES = 256
+BLURRED_PASSES, IWIS_BATCH = 256, 4
 
 
 class Result(NamedTuple):
@@ -62,7 +62,7 @@ def _render_iwis(scene, seed, folder, case):
     scene.iwis.filter_width = 0.01  # as Cycles' here: the middle of the pixel
     scene.iwis.max_samples = IWIS_SAMPLES if case.lit else 1
     if case.blurred:
-        scene.iwis.max_samples = BLURRED_PASSES * scene.iwis.batch_size
+        scene.iwis.max_samples = BLURRED_PASSES * IWIS_BATCH
     scene.iwis.stop_rule = "FIXED"
     layers = render_iwis(scene, folder)
     return next(v for k, v in layers.items() if k.endswith("Combined"))
