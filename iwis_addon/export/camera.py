@@ -141,9 +141,9 @@ def camera_optics(camera, render, warnings: list[str]) -> dict:
     }
 
 
-def _without_scale(matrix, name):
+def camera_matrix(camera):
     """float64 (4, 4), axes of length 1: Blender ignores a camera's scale, not its mirroring."""
-    matrix = np.array(matrix, np.float64)
+    matrix, name = np.array(camera.matrix_world, np.float64), camera.name
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     if not np.isfinite(matrix).all() or not lengths.min() > 0.0:
         raise ExportError(
@@ -168,11 +168,9 @@ def export_camera(depsgraph, warnings: list[str], *, region=None) -> Camera:
         )
     render = scene.render
     optics = camera_optics(camera, render, warnings)
-    if render.use_motion_blur:
-        warnings.append(f"Scene {scene.name}: motion blur is ignored, the frame stands still")
     width, height = frame_size(render)
     return Camera(
-        camera_to_world=_without_scale(camera.matrix_world, camera.name),
+        camera_to_world=camera_matrix(camera),
         width=width,
         height=height,
         region=border_region(render) if region is None else tuple(region),

@@ -1,11 +1,13 @@
-"""A part of the parity suite (`make parity` runs all of it): one in ten of those without noise."""
+"""A part of the parity suite (`make parity` runs all of it): one in ten of those without noise,
+and depth of field."""
 
 import bpy
 import pytest
 from parity.all_cases import ALL_CASES
 from parity.compare import run_case
 
-_CHOSEN = [case for case in ALL_CASES if not case.lit][::10]
+_CHOSEN = [case for case in ALL_CASES if not case.lit and not case.blurred][::10]
+_CHOSEN += [case for case in ALL_CASES if case.name == "Camera depth of field of glowing checks"]
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from iwis.core import filtered_tile
 from iwis.core.filtered_tile import FilteredTile
 from iwis.core.pass_rays import samples_of_a_pass
 from iwis.core.pass_sums import cell_spreads
-from iwis.core.scene import Lens, Panorama
+from iwis.core.scene import CameraMotion, Lens, Panorama
 from iwis.core.settings import RenderSettings
 from iwis.core.tile_job import Rect
 from support.scenes import (
@@ -144,3 +144,21 @@ def test_outside_a_fisheyes_circle_is_black_and_opaque(pixel_filter, transparent
     np.testing.assert_array_equal(corner, [0.0, 0.0, 0.0, 1.0])
     assert layers["depth"][0, 0, 0] == 1e10 and layers["samples"][0, 0, 0] == 0.0
     np.testing.assert_allclose(rim, [0.0] * 4 if transparent else [0.5, 0.6, 0.7, 1.0], rtol=1e-6)
+
+
+def test_a_moving_camera_blurs_along_its_way():
+    """An orthographic camera that goes 8 pixels to the right: an edge becomes a ramp of 8."""
+    camera = camera_above(48, 8, half=0.9)
+    matrices = np.tile(camera.camera_to_world, (2, 1, 1))
+    pixel = 1.8 / 48
+    matrices[:, 0, 3] = -4.0 * pixel, 4.0 * pixel
+    motion = CameraMotion(matrices, np.tile(camera.window, (2, 1)), np.array([0.0, 1.0]))
+    edge = quad((0.0, -5.0, 0.0), (5.0, 0.0, 0.0), (0.0, 10.0, 0.0))
+    light = [black(emission=(1.0,) * 3)]
+    scene = make_scene(
+        [edge], light, constant_world((0.0,) * 3), dataclasses.replace(camera, motion=motion)
+    )
+    layers, _ = make_picture(scene, pixel_filter="BOX", stop_rule="FIXED", max_samples=1024)
+    seen = layers["combined"][..., 0].mean(axis=0)
+    ramp = np.clip((np.arange(48) + 0.5 - 24 + 4) / 8.0, 0.0, 1.0)
+    np.testing.assert_allclose(seen, ramp, atol=0.01)  # 256 stratified points x 8 rows

@@ -154,3 +154,53 @@ _panorama(
         "aperture_rotation": 0.5,
     },
 )
+
+
+def _linear(owner):
+    action = owner.animation_data.action
+    layered = getattr(action, "layers", None)
+    curves = action.layers[0].strips[0].channelbags[0].fcurves if layered else action.fcurves
+    for curve in curves:
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
+def _moving(name, material=_diffuse_checks, lit=True, kind="PERSP", zoom=1.0, steps=1, **render):
+    """A camera that travels and turns; zoom: of its lens over a frame."""
+
+    def build(scene, tree):
+        material(tree)
+        camera = scene.camera
+        camera.cycles.motion_steps = steps
+        camera.data.type, camera.data.ortho_scale = kind, 5.0
+        start, turn, lens = camera.location.copy(), camera.rotation_euler.copy(), camera.data.lens
+        for frame in (0, 1, 2):
+            t = frame - 1.0
+            camera.location = start + type(start)((0.5 * t, 0.3 * t, 0.1 * t))
+            camera.rotation_euler = (turn.x, turn.y + 0.2 * t, turn.z + 0.1 * t)
+            camera.keyframe_insert("location", frame=frame)
+            camera.keyframe_insert("rotation_euler", frame=frame)
+            if zoom != 1.0:
+                camera.data.lens = lens * zoom**t
+                camera.data.keyframe_insert("lens", frame=frame)
+        _linear(camera)
+        if zoom != 1.0:
+            _linear(camera.data)
+        scene.frame_set(1)
+        scene.render.use_motion_blur = True
+        for key, value in render.items():
+            setattr(scene.render, key, value)
+
+    CASES.append(Case(f"Camera {name}", build, lit=lit, blurred=True))
+
+
+_moving("motion", motion_blur_shutter=0.8)
+_moving(
+    "motion from the frame on, glowing checks",
+    lambda tree: tree.glow(_checker(tree)),
+    lit=False,
+    motion_blur_position="START",
+    motion_blur_shutter=0.9,
+)
+_moving("motion up to the frame, zoom", motion_blur_position="END", zoom=1.3)
+_moving("motion, orthographic, 5 steps", kind="ORTHO", steps=2, motion_blur_shutter=1.0)
