@@ -8,6 +8,7 @@ import pytest
 
 from iwis.iwis_addon.export.camera import export_camera
 from iwis.iwis_addon.export.live import same
+from iwis.iwis_addon.settings import viewport_settings
 from iwis.iwis_addon.view_camera import view_camera
 
 WIDTH, HEIGHT = 64, 48
@@ -147,3 +148,20 @@ def view_frame(view, size):
     points = np.c_[corners, np.ones(4)] @ np.array(region_3d.window_matrix).T
     screen = (points[:, :2] / points[:, 3:] + 1.0) * 0.5 * size
     return *screen.min(axis=0), *screen.max(axis=0)
+
+
+def test_a_view_with_an_open_lens_takes_several_points_a_pixel(seen, monkeypatch):
+    """The view's default filter, Center, has no blur: Box stands in, and only there."""
+    from iwis.iwis_addon import viewport
+
+    asked = []
+    thread = SimpleNamespace(request=lambda scene, settings: asked.append(settings))
+    view = SimpleNamespace(
+        _scene=None, _settings=None, _camera=None, restarts=0, thread=thread, picture=None
+    )
+    settings = viewport_settings(seen)
+    monkeypatch.setattr(viewport, "_replace", lambda scene, **changes: scene)
+    for use_dof in (False, True):
+        seen.camera.data.dof.use_dof = use_dof
+        viewport.Viewport._want(view, object(), settings, view_camera(*make_view(seen), 1))
+    assert [own.pixel_filter for own in asked] == ["CENTER", "BOX"]
