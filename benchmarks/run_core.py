@@ -71,7 +71,7 @@ class CoreRun:
 
     def _tile(self, rect, method, sequence, seed):
         scene, (x, y, width, height) = self._scene, rect
-        origins, directions = camera_rays(scene.camera, x, y, width, height)
+        origins, directions, _ = camera_rays(scene.camera, x, y, width, height)
         hit, u, v = self._accel.intersect(origins, directions)
         points = shading_points(scene.mesh, hit, u, v, directions, scene.terminator_offset)
         rgb = np.zeros((width * height, 3))

@@ -6,16 +6,16 @@ In the order of the data; a module imports only from groups with a smaller numbe
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes,
     pace, lamp_areas
-    camera, embree_filter, albedo_tables,            2  rays, sparse Haar series, points
+    panorama, embree_filter, albedo_tables,          2  rays, sparse Haar series, points
     haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes
-    embree, lobes, pyramid, haar_product,            3  Embree; light; products
+    lens, embree, lobes, pyramid, haar_product,            3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
-    pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
+    camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, measured, lobe_setup
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
-    light_rays, paper_tables, light_cells, lamp_light
+    light_rays, paper_tables, light_cells, lamp_light, pass_rays
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree
     surface, opacity, unbiased, paper, develop       7  shaders at points; the two modes

@@ -148,13 +148,13 @@ class CenterTile:
         scene, whole = self._job.scene, self._whole
         pixel, ends = _cell_pixels(whole.x % CELL_PX, whole.y % CELL_PX, *whole[2:])
         columns, rows = frame_places(whole, pixel)
-        origins, directions = rays_through(scene.camera, columns + 0.5, rows + 0.5)
-        self._primary += len(origins)
-        points = trace_points(self._job, origins, directions, dither_of(columns, rows))
+        rays = rays_through(scene.camera, columns + 0.5, rows + 0.5)
+        self._primary += len(rays.origins)
+        points = trace_points(self._job, rays, dither_of(columns, rows))
         missed = np.ones(len(pixel), np.bool_)
         missed[points.pixel] = False
         places = places_in(self.rect, columns, rows)
-        self._missed = MissedRays(places[missed], directions[missed])
+        self._missed = MissedRays(places[missed], rays.directions[missed])
         self._places = places[points.pixel]
         bounds = cell_bounds(points, ends)
         layers = with_all_lobes(scene, points._replace(pixel=pixel[points.pixel]))

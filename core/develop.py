@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
-from .camera import planar_depth
+from .camera import view_depth
 from .environment import EnvironmentLookup, eval_environment_many
 from .film import new_layers
 from .incremental import PixelSums
@@ -29,9 +29,9 @@ class PlacedPoints(NamedTuple):
 
 
 class MissedRays(NamedTuple):
-    """The rays that see the world.
+    """The rays that see the world, or nothing.
 
-    place: their pixels, as PlacedPoints.place; directions: float32 (n, 3)
+    place: their pixels, as PlacedPoints.place; directions: float32 (n, 3), zeros = nothing
     """
 
     place: np.ndarray
@@ -134,8 +134,10 @@ def develop_points(
 
 
 def _write_background(scene, lookup, missed, flat) -> None:
-    inside = missed.place >= 0
+    looks = missed.directions.any(axis=1)
+    inside = (missed.place >= 0) & looks
     place = missed.place[inside]
+    flat.combined[missed.place[(missed.place >= 0) & ~looks], 3] = 1.0
     if not len(place):
         return
     if scene.environment.visible_to_camera:
@@ -185,7 +187,7 @@ def filtered_layers(
     combined = _flat(layers, "combined")
     combined[:, :3] = light["diffuse"] + light["glossy"] + light["emission"]
     if scene.transparent_film:
-        combined[:, 3] = sums.hits / passes[:, 0]
+        combined[:, 3] = (sums.hits + sums.blind) / passes[:, 0]
     else:
         combined[:, :3] += values["environment"]
         combined[:, 3] = 1.0
@@ -200,7 +202,7 @@ def _write_geometry(layers, scene, points, place) -> None:
     objects = scene.mesh.object_index[points.triangle]
     materials = scene.mesh.material_index[points.triangle]
     values = {
-        "depth": planar_depth(scene.camera, points.position)[:, None],
+        "depth": view_depth(scene.camera, points.position)[:, None],
         "position": points.position,
         "object_index": scene.object_pass_index[objects][:, None],
         "material_index": scene.material_pass_index[materials][:, None],

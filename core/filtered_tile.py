@@ -1,7 +1,7 @@
 """The work at a tile whose pixels average several shading points, a pass after another.
 
 A pass gives each pixel one point (pixel_filter.py) with a few samples. A pixel whose neighbourhood
-shows one object, or nothing but the world, may end after _PILOT passes; one near a silhouette takes
+shows one object, or nothing but the world, may end after PILOT passes; one near a silhouette takes
 at least _SILHOUETTE / E. Else a leaf that the pilot missed would be lost, and one that it hit would
 not be: thin leaves before the sky came out half as dark. Whether it is near is asked of the rays of
 the first passes, of the pixel and its eight neighbours; so those around the tile are looked through
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .camera import camera_rays, pixel_grid, rays_through
+from .camera import camera_rays, pixel_grid
 from .develop import filtered_layers
 from .environment import eval_environment_many
 from .film import Tile
@@ -20,8 +20,23 @@ from .guide import new_guides
 from .incremental import PixelSums, new_sums
 from .merged_layers import merge_layers
 from .neighbours import cell_order
-from .pass_sums import PassSums, add_background, add_seen, close_pass, fill_spreads, new_pass_sums
-from .pixel_filter import LAYERS, filter_offsets, unit_points
+from .pass_rays import (
+    PILOT,
+    blurred,
+    pass_numbers,
+    pass_rays,
+    samples_of_a_pass,
+    world_blurred,
+)
+from .pass_sums import (
+    PassSums,
+    add_background,
+    add_seen,
+    cell_spreads,
+    close_pass,
+    fill_spreads,
+    new_pass_sums,
+)
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .shading import ShadingPoints
 from .stop_rule import FLOOR, paper_rule, plan_counts, threshold_of, typical_count
@@ -39,23 +54,13 @@ from .tile_job import (
 )
 from .tile_lamps import TileLamps
 
-_PILOT, _SILHOUETTE = 4, 1.2
-_WORLD, _NO_OBJECT = np.int32(-1), np.int32(0x7FFFFFFF)
-
-
-def samples_of_a_pass(settings) -> int:
-    """Shadow rays of one shading point: n, or less where MAX would leave no _PILOT passes.
-
-    A budget with a target takes half of it for the pilot at the most.
-    """
-    most = settings.max_samples
-    if settings.stop_rule == "BUDGET" and settings.target_samples:
-        most = min(most, settings.target_samples // 2)
-    return max(1, min(settings.batch_size, most // _PILOT))
+_SILHOUETTE = 1.2
+# In place of a row of the objects.
+_NOTHING, _WORLD, _NO_OBJECT = np.int32(-2), np.int32(-1), np.int32(0x7FFFFFFF)
 
 
 class FilteredTile:
-    """Several shading points a pixel (tile_job.TileWork); 280 bytes a pixel between calls.
+    """Several shading points a pixel (tile_job.TileWork); 284 bytes a pixel between calls.
 
     The work is at whole cells of the frame (neighbours.py), of which ``develop`` cuts the tile:
     their guides learn from all passes. Arrays are over these cells and one pixel around them, row
@@ -72,16 +77,18 @@ class FilteredTile:
         self._pixels, self._cell = self._cells(whole)
         self._active = self._pixels
         learns = job.settings.estimator == "UNBIASED"
+        self._batch = samples_of_a_pass(job.settings, job.scene.camera)
         self._n_cells = int(self._cell.max()) + 1
         self._guides = new_guides(self._n_cells if learns else 0)
         # The least and the greatest object that a pixel's first passes saw.
-        self._least, self._greatest = np.full(n, _NO_OBJECT), np.full(n, _WORLD)
+        self._least, self._greatest = np.full(n, _NO_OBJECT), np.full(n, _NOTHING)
+        self._blurred = np.zeros(n, np.bool_)
         self._passes = self._traced = self._primary = 0
 
     def advance(self, samples: int) -> bool:
         """See TileWork."""
         settings = self._job.settings
-        n = samples_of_a_pass(settings)
+        n = self._batch
         last = -(-min(samples, settings.max_samples) // n)
         while len(self._active) and self._passes < last and not self._job.stop.is_set():
             self._take_pass(min(n, settings.max_samples - self._passes * n))
@@ -89,17 +96,14 @@ class FilteredTile:
         return not len(self._active) or self._passes * n >= settings.max_samples
 
     def look(self, typical: float, most: int) -> None:
-        """See TileWork: _PILOT passes at the most, the same for all; ``typical`` is not asked."""
-        passes = max(1, min(_PILOT, most // samples_of_a_pass(self._job.settings)))
+        """See TileWork: PILOT passes at the most, the same for all; ``typical`` is not asked."""
+        passes = max(1, min(PILOT, most // self._batch))
         self._take_passes(np.full(self._n, passes, np.int32))
 
     def demand(self, typical: float) -> Demand:
         """See TileWork: of all pixels of the tile's cells, cell by cell."""
-        n, pixels, sums = samples_of_a_pass(self._job.settings), self._pixels, self._sums
-        known = self._lamps.known(sums)
-        spread, passes = np.empty(len(pixels), np.float32), np.maximum(sums.passes[pixels], 1)
-        transparent = self._job.scene.transparent_film
-        fill_spreads(pixels, n, FLOOR / typical, transparent, known, spread)
+        n, pixels, sums = self._batch, self._pixels, self._sums
+        passes = np.maximum(sums.passes[pixels], 1)
         near = self._near_silhouette()[pixels]
         edge = np.float32(n * _SILHOUETTE / threshold_of(1.0))
         rows, columns = np.divmod(pixels, self._around.width)
@@ -108,7 +112,7 @@ class FilteredTile:
         counted = counted[pixels]
         share = sums.count[pixels].astype(np.int64) * WHOLE_SHARE // (passes * n)
         return Demand(
-            power=powers(spread),
+            power=powers(self._spreads(pixels, typical)),
             least=np.where(near, edge, np.float32(0.0)),
             taken=sums.passes[pixels] * np.int32(n),
             share=np.where(counted, share, 0).astype(np.int32),
@@ -120,14 +124,14 @@ class FilteredTile:
     def go_to(self, counts: np.ndarray, typical: float) -> None:
         """See TileWork."""
         passes = np.zeros(self._n, np.int32)
-        passes[self._pixels] = -(-counts // samples_of_a_pass(self._job.settings))
+        passes[self._pixels] = -(-counts // self._batch)
         self._take_passes(passes)
 
     def develop(self) -> Tile:
         """See TileWork."""
         x, y, width, height = self.rect
         scene = self._job.scene
-        points = trace_points(self._job, *camera_rays(scene.camera, *self.rect))
+        points = trace_points(self._job, camera_rays(scene.camera, *self.rect))
         self._primary += width * height
         inside = self._inside(self.rect)
         sums = PassSums(*(column[inside] for column in self._sums))
@@ -156,7 +160,7 @@ class FilteredTile:
     def _take_passes(self, wanted: np.ndarray) -> None:
         """Take the pixels on to as many passes as ``wanted``, int32 (n,), says of each."""
         settings, pixels = self._job.settings, self._pixels
-        n = samples_of_a_pass(settings)
+        n = self._batch
         while not self._job.stop.is_set():
             behind = pixels[self._sums.passes[pixels] < wanted[pixels]]
             if not len(behind):
@@ -188,32 +192,27 @@ class FilteredTile:
 
         The first passes look through the pixels around the tile as well.
         """
-        pilot, looked = self._passes < _PILOT, self._active
+        pilot, looked = self._passes < PILOT, self._active
         if pilot:
             looked = np.append(looked, np.flatnonzero(self._cell < 0).astype(np.int32))
-        origins, directions = self._rays(looked)
-        dither = self._dither(looked)
-        points = trace_points(self._job, origins, directions, dither)
+        rays = self._rays(looked)
+        points = trace_points(self._job, rays, self._dither(looked))
         self._primary += len(looked)
         missed = np.ones(len(looked), np.bool_)
         missed[points.pixel] = False
         points = points._replace(pixel=looked[points.pixel])
         if pilot:
-            self._note_objects(looked[missed], points)
+            self._note_objects(looked[missed], rays.directions[missed].any(axis=1), points)
             inside = self._cell >= 0
             missed &= inside[looked]
             points = points.at(inside[points.pixel])
-        return points, looked[missed], directions[missed]
+        return points, looked[missed], rays.directions[missed]
 
     def _dither(self, pixels) -> np.ndarray | None:
         """What cut-outs draw in this pass (cutouts.points_through), if there may be any."""
-        settings = self._job.settings
         if self._job.scene.shaders is None:
             return None
-        own = 0 if settings.decorrelation == "NONE" else 1
-        columns, rows = self._places(pixels)
-        place = own * columns, own * rows, self._passes, settings.seed
-        return unit_points(*place, LAYERS)[:, 0]
+        return pass_numbers(self._job.settings, *self._places(pixels), self._passes)
 
     def _places(self, pixels) -> tuple[np.ndarray, np.ndarray]:
         """Column and row in the frame, int64."""
@@ -221,17 +220,15 @@ class FilteredTile:
         return columns + self._around.x, rows + self._around.y
 
     def _rays(self, pixels):
-        settings = self._job.settings
         columns, rows = self._places(pixels)
-        own = 0 if settings.decorrelation == "NONE" else 1
-        points = unit_points(own * columns, own * rows, self._passes, settings.seed)
-        offsets = filter_offsets(settings.pixel_filter, settings.filter_width, points)
-        return rays_through(
-            self._job.scene.camera, columns + 0.5 + offsets[:, 0], rows + 0.5 + offsets[:, 1]
-        )
+        scene, settings = self._job.scene, self._job.settings
+        return pass_rays(scene.camera, settings, columns, rows, self._passes)
 
     def _add_world(self, pixels, directions) -> None:
-        scene = self._job.scene
+        scene, looks = self._job.scene, directions.any(axis=1)
+        if not looks.all():
+            self._sums.blind[pixels[~looks]] += 1
+            pixels, directions = pixels[looks], directions[looks]
         if not len(pixels) or not scene.environment.visible_to_camera:
             return
         radiance = np.empty((len(pixels), 3), np.float32)
@@ -254,7 +251,7 @@ class FilteredTile:
         return found
 
     def _sample_rows(self, seen: SeenPoints, count: int) -> PixelSums:
-        first = self._passes * samples_of_a_pass(self._job.settings)
+        first = self._passes * self._batch
         sums, rule = new_sums(len(seen.rows)), paper_rule(-1.0, count, first + count)
         cells = np.arange(self._n_cells + 1)
         bounds = np.searchsorted(self._cell[seen.points.pixel], cells).astype(np.int32)
@@ -263,17 +260,21 @@ class FilteredTile:
         )
         return sums
 
-    def _note_objects(self, missed, points: ShadingPoints) -> None:
+    def _note_objects(self, missed, looks, points: ShadingPoints) -> None:
         objects = self._job.scene.mesh.object_index[points.triangle]
-        for pixels, seen in ((missed, _WORLD), (points.pixel, objects)):
+        world = np.where(looks, _WORLD, _NOTHING)
+        for pixels, seen in ((missed, world), (points.pixel, objects)):
             self._least[pixels] = np.minimum(self._least[pixels], seen)
             self._greatest[pixels] = np.maximum(self._greatest[pixels], seen)
+        camera = self._job.scene.camera
+        self._blurred[points.pixel] |= blurred(camera, points.position)
+        self._blurred[missed] |= world_blurred(camera)
 
     def _goes_on(self) -> np.ndarray:
         """bool, one for each active pixel: whether it takes another pass."""
         settings, active = self._job.settings, self._active
         endless = settings.stop_rule == "FIXED" or settings.error_threshold == 0.0
-        if endless or self._passes < _PILOT:
+        if endless or self._passes < PILOT:
             return np.ones(len(active), np.bool_)
         if settings.stop_rule == "PAPER":
             going = self._sums.error[active] > settings.error_threshold
@@ -285,20 +286,37 @@ class FilteredTile:
 
     def _wants_more(self, typical: float) -> np.ndarray:
         """PERCEPTUAL: whether N = T r^.75 is more than there are. typical: T"""
-        n = samples_of_a_pass(self._job.settings)
-        spread = np.empty(len(self._active), np.float32)
-        transparent = self._job.scene.transparent_film
-        known = self._lamps.known(self._sums)
-        fill_spreads(self._active, n, FLOOR / typical, transparent, known, spread)
+        n, spread = self._batch, self._spreads(self._active, typical)
         taken = np.full(len(spread), self._passes * n, np.int32)
         return plan_counts(spread, taken, typical, self._job.settings.max_samples) > taken
 
+    def _spreads(self, pixels, typical: float) -> np.ndarray:
+        """float32, r of pixels; of blurred ones that of their cell. typical: T"""
+        known = self._lamps.known(self._sums)
+        sums, blurred_ones = self._sums, self._pixels[self._blurred[self._pixels]]
+        n, transparent = self._batch, self._job.scene.transparent_film
+
+        def own(some):
+            spread = np.empty(len(some), np.float32)
+            fill_spreads(some, n, FLOOR / typical, transparent, known, spread)
+            return spread
+
+        spread = own(pixels)
+        if len(blurred_ones):
+            passes, light = sums.passes[blurred_ones], sums.light[blurred_ones]
+            cell = self._cell[blurred_ones]
+            shared = cell_spreads(cell, self._n_cells, passes, light, own(blurred_ones))
+            which = self._blurred[pixels]
+            spread[which] = shared[self._cell[pixels[which]]]
+        return spread
+
     def _near_silhouette(self) -> np.ndarray:
-        """bool: pixels that see, themselves or by a neighbour, more than one object."""
+        """bool: pixels that see, themselves or by a neighbour, more than one object; and blurred
+        ones, where a few rays say little of what there is."""
         least, greatest = self._shaped(self._least), self._shaped(self._greatest)
         near = np.zeros(least.shape, np.bool_)
         near[1:-1, 1:-1] = _of_nine(least, np.minimum) != _of_nine(greatest, np.maximum)
-        return near.ravel()
+        return near.ravel() | self._blurred
 
     def _cells(self, whole: Rect) -> tuple[np.ndarray, np.ndarray]:
         """Pixels to sample, int32, by cells; the cell of each looked through, -1 around them."""

@@ -25,9 +25,10 @@ _PRIOR_PASSES = 2.0
 
 
 class PassSums(NamedTuple):
-    """Sums over the passes of each pixel; 136 bytes a pixel.
+    """Sums over the passes of each pixel; 140 bytes a pixel.
 
-    passes, hits: int32 (n,), shading points taken, and those that saw an object
+    passes, hits, blind: int32 (n,), rays taken, those that saw an object, and those outside a
+        panorama's image circle: black, and opaque even where the world is transparent, as in Cycles
     count, visible: int32 (n,), shadow rays, and those that reached the light
     diffuse, glossy, unoccluded, emission, environment: float32 (n, 3), light
     diffuse_color, glossy_color, normal: float32 (n, 3)
@@ -38,6 +39,7 @@ class PassSums(NamedTuple):
 
     passes: np.ndarray
     hits: np.ndarray
+    blind: np.ndarray
     count: np.ndarray
     visible: np.ndarray
     diffuse: np.ndarray
@@ -57,7 +59,7 @@ class PassSums(NamedTuple):
 def new_pass_sums(n: int) -> PassSums:
     """Zero sums for n pixels."""
     return PassSums(
-        *(np.zeros(n, np.int32) for _ in range(4)),
+        *(np.zeros(n, np.int32) for _ in range(5)),
         *(np.zeros((n, 3), np.float32) for _ in range(8)),
         np.full(n, np.inf, np.float32),
         np.zeros(n),
@@ -155,6 +157,25 @@ def fill_spreads(pixel, samples, floor, with_alpha, state, spread):
         if with_alpha:
             share = state.hits[p] / passes
             spread[i] = max(np.float64(spread[i]), np.sqrt(share * (1.0 - share) * samples))
+
+
+def cell_spreads(cell: np.ndarray, n_cells: int, passes, light, spread) -> np.ndarray:
+    """r of the cells, float32 (n_cells,): what their pixels say together; 0 for one without any.
+
+    Four passes that miss a bright spot out of focus would end a pixel, and four that hit it would
+    not: dark holes. So a blurred pixel asks all of its cell, and its own luck hardly counts. The
+    larger of: the pixels' mean variance over the square of their mean light; their mean r^2.
+    cell: int (n,); passes, light, spread: of n pixels, as PassSums and fill_spreads have them
+    """
+    mean = light / np.maximum(passes, 1)
+    squared = np.float64(spread) ** 2
+    count = np.maximum(np.bincount(cell, minlength=n_cells), 1)
+    variance = np.bincount(cell, squared * mean**2, n_cells) / count
+    whole = np.bincount(cell, mean, n_cells) / count
+    pooled = np.divide(variance, whole**2, out=np.zeros(n_cells), where=whole > 0.0)
+    return np.sqrt(np.maximum(pooled, np.bincount(cell, squared, n_cells) / count)).astype(
+        np.float32
+    )
 
 
 @kernel

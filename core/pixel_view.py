@@ -63,7 +63,7 @@ def look_at_pixel(
         settings = dataclasses.replace(settings, stop_rule="PERCEPTUAL")
     job = _make_job(scene, settings, cache or RenderCache())
     rect = Rect(x, y, 1, 1)
-    points = trace_points(job, *camera_rays(camera, *rect))
+    points = trace_points(job, camera_rays(camera, *rect))
     if not len(points.pixel):
         raise ValueError(f"pixel ({x}, {y}) shows no object")
     seen = with_lobes(scene, points)

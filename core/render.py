@@ -44,6 +44,11 @@ def render(
         # Its tables are made for a material as a whole: MaterialParams holds means.
         scene = dataclasses.replace(scene, shaders=None)
         stats.warnings.append("Mode PAPER shows textures and mixtures by one mean value a material")
+    if settings.pixel_filter == "CENTER" and (scene.camera.lens or scene.camera.motion):
+        stats.warnings.append(
+            "Pixel Filter Center takes one point a pixel: no depth of field and no motion blur of "
+            "the camera; choose Blackman-Harris or Box"
+        )
     stop = StopFlag()
     threads = worker_count(settings)
     accel = light = tables = None

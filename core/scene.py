@@ -15,7 +15,27 @@ from .program import Shaders
 
 EQUIRECTANGULAR, MIRROR_BALL = "EQUIRECTANGULAR", "MIRROR_BALL"
 LINEAR, CLOSEST, LINEAR_SRGB = "LINEAR", "CLOSEST", "LINEAR_SRGB"
-PERSPECTIVE, ORTHOGRAPHIC = "PERSPECTIVE", "ORTHOGRAPHIC"
+PERSPECTIVE, ORTHOGRAPHIC, PANORAMIC = "PERSPECTIVE", "ORTHOGRAPHIC", "PANORAMIC"
+
+# Kinds of Panorama -> their parameters. Angles in radians; lens and sensor in millimetres.
+PANORAMAS = {
+    "EQUIRECTANGULAR": ("longitude_min", "longitude_max", "latitude_min", "latitude_max"),
+    "EQUIANGULAR_CUBEMAP_FACE": (),
+    "MIRRORBALL": (),
+    "FISHEYE_EQUIDISTANT": ("fov",),
+    "FISHEYE_EQUISOLID": ("fov", "sensor_width", "sensor_height", "lens"),
+    "FISHEYE_LENS_POLYNOMIAL": (
+        "fov",
+        "sensor_width",
+        "sensor_height",
+        "k0",
+        "k1",
+        "k2",
+        "k3",
+        "k4",
+    ),
+    "CENTRAL_CYLINDRICAL": ("u_min", "u_max", "v_min", "v_max", "axis"),
+}
 
 # MaterialParams.model
 DIFFUSE, PRINCIPLED, GLOSSY, BLACK, MEASURED = 0, 1, 2, 3, 4
@@ -132,17 +152,55 @@ class EnvironmentMap:
             raise ValueError(f"world {self.name}: radiance must be finite and not negative")
 
 
+class Panorama(NamedTuple):
+    """How a panoramic camera's unit square becomes directions (panorama.py).
+
+    kind: of PANORAMAS; parameters: in the order that it names
+    """
+
+    kind: str
+    parameters: tuple[float, ...]
+
+
+class Lens(NamedTuple):
+    """An aperture that blurs what is not in focus.
+
+    radius: metres; focus: metres to what is sharp, along -z (PANORAMIC: along the ray)
+    blades: corners of the aperture, a disc below 3; rotation: radians; ratio: its height / width
+    """
+
+    radius: float
+    focus: float
+    blades: int = 0
+    rotation: float = 0.0
+    ratio: float = 1.0
+
+
+class CameraMotion(NamedTuple):
+    """What a camera does while the shutter is open, at evenly spaced times from first to last.
+
+    matrices: float64 (k, 4, 4), as Camera.camera_to_world; windows: float64 (k, 4), as its window
+    times: float64 (m,), ascending, 0 to 1: evenly spaced parts of the light have come in by then
+    """
+
+    matrices: np.ndarray
+    windows: np.ndarray
+    times: np.ndarray
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Camera:
     """Where rays start, and the part of the frame that is wanted.
 
-    kind: PERSPECTIVE or ORTHOGRAPHIC
+    kind: PERSPECTIVE, ORTHOGRAPHIC or PANORAMIC
     camera_to_world: float64 (4, 4), rigid (no scale); the camera looks along its -z, y up
     window: (left, right, bottom, top) of the whole frame: on the plane z = -1 for PERSPECTIVE,
-        in metres for ORTHOGRAPHIC; lens shift, sensor fit and pixel aspect are in it
+        in metres for ORTHOGRAPHIC; lens shift, sensor fit and pixel aspect are in it. PANORAMIC: of
+        the panorama's unit square
     width, height: pixels of the whole frame
     region: (x0, y0, x1, y1), the pixels to render, x1 and y1 not included, y up from the bottom
-    clip_start, clip_end: metres along -z; hits outside are not seen by the camera
+    clip_start, clip_end: metres along -z, PANORAMIC: along the ray; hits outside are not seen
+    panorama: of PANORAMIC; lens: None = all is sharp; motion: None = it stands still
     """
 
     kind: str
@@ -153,11 +211,20 @@ class Camera:
     region: tuple[int, int, int, int]
     clip_start: float
     clip_end: float
+    panorama: Panorama | None = None
+    lens: Lens | None = None
+    motion: CameraMotion | None = None
 
     def __post_init__(self):
         x0, y0, x1, y1 = self.region
-        if self.kind not in (PERSPECTIVE, ORTHOGRAPHIC):
+        if self.kind not in (PERSPECTIVE, ORTHOGRAPHIC, PANORAMIC):
             raise ValueError(f"camera kind {self.kind!r} is unknown")
+        if (self.kind == PANORAMIC) != (self.panorama is not None):
+            raise ValueError("a panorama belongs to a camera of kind PANORAMIC, and only to it")
+        if self.panorama is not None:
+            names = PANORAMAS.get(self.panorama.kind)
+            if names is None or len(names) != len(self.panorama.parameters):
+                raise ValueError(f"panorama {self.panorama} is none of {PANORAMAS}")
         if not (0 <= x0 < x1 <= self.width and 0 <= y0 < y1 <= self.height):
             raise ValueError(
                 f"camera region {self.region} is not inside {self.width}x{self.height}"

@@ -14,7 +14,7 @@ import numpy as np
 
 from .accel import Accel
 from .block_loop import Places, Room, continue_blocks, new_room
-from .camera import planar_depth
+from .camera import CameraRays
 from .cutouts import points_through
 from .film import Tile
 from .guide import Guides
@@ -125,15 +125,25 @@ class SeenPoints(NamedTuple):
         )
 
 
-def trace_points(job: Job, origins, directions, dither=None) -> ShadingPoints:
-    """The points that camera rays see, float32 (n, 3); ``pixel`` is the row of the ray.
+def trace_points(job: Job, rays: CameraRays, dither=None) -> ShadingPoints:
+    """The points that camera rays see; ``pixel`` is the row of the ray.
 
     dither: of cutouts.points_through
     """
-    scene = job.scene
-    points = points_through(scene, job.accel, origins, directions, dither)
-    near_enough = planar_depth(scene.camera, points.position) <= scene.camera.clip_end
+    origins, directions, reach = rays
+    looks = _that_look(origins, directions)
+    points = points_through(job.scene, job.accel, *looks, dither)
+    away = points.position - origins[points.pixel]
+    near_enough = -np.einsum("ij,ij->i", away, points.wo) <= reach[points.pixel]
     return points if near_enough.all() else points.at(near_enough)
+
+
+def _that_look(origins, directions):
+    """Rays with a direction for each: Embree is not to be asked for one of length 0."""
+    blind = ~directions.any(axis=1)
+    if not blind.any():
+        return origins, directions
+    return origins, np.where(blind[:, None], np.float32([0.0, 0.0, 1.0]), directions)
 
 
 def with_lobes(scene: Scene, points: ShadingPoints) -> SeenPoints:

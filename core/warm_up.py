@@ -9,7 +9,7 @@ import numpy as np
 
 from .camera import rays_through
 from .sample_plan import planned_counts, typical_for_rays
-from .tile_job import Job, Rect
+from .tile_job import Job, Rect, trace_points
 
 _SIDE = 24  # the region is searched in so many columns and rows
 
@@ -34,6 +34,5 @@ def _pixel_with_an_object(job: Job) -> Rect | None:
     steps = (np.arange(_SIDE) + 0.5) / _SIDE
     columns, rows = (x0 + steps * (x1 - x0)).astype(int), (y0 + steps * (y1 - y0)).astype(int)
     columns, rows = (grid.ravel() for grid in np.meshgrid(columns, rows))
-    hit, _, _ = job.accel.intersect(*rays_through(job.scene.camera, columns + 0.5, rows + 0.5))
-    found = np.flatnonzero(hit >= 0)
+    found = trace_points(job, rays_through(job.scene.camera, columns + 0.5, rows + 0.5)).pixel
     return Rect(int(columns[found[0]]), int(rows[found[0]]), 1, 1) if len(found) else None

@@ -9,6 +9,7 @@ from . import (
     job,
     measured,
     panels,
+    panels_camera,
     panels_status,
     preferences,
     properties,
@@ -27,6 +28,7 @@ MODULES = (
     engine,
     sampling_presets,
     panels,
+    panels_camera,
     panels_status,
     measured,
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import functools
 
 import bpy
 
@@ -12,6 +13,7 @@ from ..core.scene import Scene
 from ..core.stats import RenderStats
 from . import dependencies, stereo
 from .export import ExportCancelled, export_scene
+from .export.motion import export_in_motion
 from .job import RenderJob, RenderRecord
 from .number_film import NumberFilm
 from .output import check_room
@@ -40,12 +42,15 @@ class FinalRender:
         self._keep_film = scene.iwis.keep_film
         with self._export_stats.phase("export"), contextlib.suppress(ExportCancelled):
             self.engine.update_stats("", "Exporting")
-            self.scene = export_scene(
+            export = functools.partial(
+                export_scene,
                 depsgraph,
                 warnings=self._export_stats.warnings,
                 cache=self.job.export_cache,
                 cancelled=self._cancelled,
             )
+            told = self._export_stats.warnings
+            self.scene = export_in_motion(self.engine, depsgraph, told, export)
         self.job.warn(self._export_stats.warnings)
 
     def run(self, depsgraph) -> None:

@@ -6,7 +6,8 @@ import dataclasses
 
 import numpy as np
 
-from ..core.scene import ORTHOGRAPHIC, PERSPECTIVE, Camera, Scene
+from ..core.scene import Camera, Scene
+from .export.camera import camera_matrix, camera_optics
 
 
 def camera_of_view(engine, scene, exported: Scene, view: str) -> Camera:
@@ -20,25 +21,17 @@ def camera_of_view(engine, scene, exported: Scene, view: str) -> Camera:
     camera = engine.camera_override or scene.camera  # of this view, where each has its own
     lens = exported.camera
     if camera.name != scene.camera.name:
-        lens = _with_lens_of(lens, scene, camera.data)
+        # The motion that was exported is that of the scene's own camera.
+        lens = dataclasses.replace(lens, **camera_optics(camera, scene.render, []), motion=None)
     matrix = np.array(engine.camera_model_matrix(camera), dtype=np.float64).reshape(4, 4)
-    return _placed(lens, matrix, engine.camera_shift_x(camera) - camera.data.shift_x, camera.data)
-
-
-def _with_lens_of(exported: Camera, scene, data) -> Camera:
-    """The exported frame seen through another camera's lens."""
-    corners = np.array(data.view_frame(scene=scene), dtype=np.float64)
-    orthographic = data.type == "ORTHO"
-    if not orthographic:
-        corners /= -corners[:, 2:]
-    (left, bottom), (right, top) = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
-    return dataclasses.replace(
-        exported,
-        kind=ORTHOGRAPHIC if orthographic else PERSPECTIVE,
-        window=(left, right, bottom, top),
-        clip_start=data.clip_start,
-        clip_end=data.clip_end,
-    )
+    move = engine.camera_shift_x(camera) - camera.data.shift_x
+    if lens.motion is not None:
+        eye = np.linalg.inv(camera_matrix(camera)) @ matrix
+        # The lens was exported in the middle of the shutter's time, this is the frame's.
+        matrix = lens.camera_to_world @ eye
+        moved = lens.motion.matrices @ eye
+        lens = dataclasses.replace(lens, motion=lens.motion._replace(matrices=moved))
+    return _placed(lens, matrix, move, camera.data)
 
 
 def _placed(camera: Camera, matrix, shift_x, data) -> Camera:
@@ -48,6 +41,8 @@ def _placed(camera: Camera, matrix, shift_x, data) -> Camera:
         data.sensor_fit == "AUTO" and right - left >= top - bottom
     )
     move = shift_x * (right - left if along_x else top - bottom)
-    return dataclasses.replace(
-        camera, camera_to_world=matrix, window=(left + move, right + move, bottom, top)
-    )
+    motion = camera.motion
+    if motion is not None:
+        motion = motion._replace(windows=motion.windows + np.array([move, move, 0.0, 0.0]))
+    window = left + move, right + move, bottom, top
+    return dataclasses.replace(camera, camera_to_world=matrix, window=window, motion=motion)

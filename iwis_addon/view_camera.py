@@ -1,14 +1,16 @@
 """What a 3D view sees, as core.scene.Camera, and which of its pixels are to be rendered.
 
 Lens, sensor, shift, zoom, offset and the camera's frame are all in the view's own projection
-matrix: so the picture lies under Blender's overlays to the pixel.
+matrix: so the picture lies under Blender's overlays to the pixel. A panorama, which Blender shows
+as a perspective camera's frame, fills that frame.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..core.scene import ORTHOGRAPHIC, PERSPECTIVE, Camera
+from ..core.scene import ORTHOGRAPHIC, PANORAMIC, PERSPECTIVE, Camera
+from .export.camera import camera_lens, camera_optics
 
 
 def view_camera(region, region_3d, space, scene, pixel_size: int) -> Camera | None:
@@ -20,29 +22,57 @@ def view_camera(region, region_3d, space, scene, pixel_size: int) -> Camera | No
     width, height = max(region.width, 1), max(region.height, 1)
     matrix = np.array(region_3d.window_matrix, np.float64)
     columns, rows = -(-width // pixel_size), -(-height // pixel_size)
-    left, right, bottom, top = _window(matrix)
+    seen = _optics(matrix, width, height, region_3d, space, scene)
+    left, right, bottom, top = seen["window"]
     covered = _border(matrix, width, height, region_3d, space, scene)
     x0, y0, x1, y1 = (edge / pixel_size for edge in covered)
     x0, y0 = max(int(x0), 0), max(int(y0), 0)
     x1, y1 = min(int(np.ceil(x1)), columns), min(int(np.ceil(y1)), rows)
     if x0 >= x1 or y0 >= y1:
         return None
-    near, far = _clip(matrix)
+    seen["window"] = (
+        left,
+        left + (right - left) * (columns * pixel_size / width),
+        bottom,
+        bottom + (top - bottom) * (rows * pixel_size / height),
+    )
     return Camera(
-        kind=PERSPECTIVE if matrix[3, 3] == 0.0 else ORTHOGRAPHIC,
         camera_to_world=_rigid_inverse(np.array(region_3d.view_matrix, np.float64)),
-        window=(
-            left,
-            left + (right - left) * (columns * pixel_size / width),
-            bottom,
-            bottom + (top - bottom) * (rows * pixel_size / height),
-        ),
         width=columns,
         height=rows,
         region=(x0, y0, x1, y1),
-        clip_start=near,
-        clip_end=far,
+        **seen,
     )
+
+
+def _optics(matrix, width, height, region_3d, space, scene) -> dict:
+    """Fields of Camera: kind, window, clipping, panorama, lens."""
+    near, far = _clip(matrix)
+    seen = {
+        "kind": PERSPECTIVE if matrix[3, 3] == 0.0 else ORTHOGRAPHIC,
+        "window": _window(matrix),
+        "clip_start": near,
+        "clip_end": far,
+    }
+    camera = space.camera
+    if region_3d.view_perspective != "CAMERA" or camera is None or camera.type != "CAMERA":
+        return seen
+    seen["lens"] = camera_lens(camera)
+    if camera.data.type == "PANO":
+        own = camera_optics(camera, scene.render, [])
+        if own["kind"] == PANORAMIC:
+            frame = _camera_frame(matrix, width, height, camera, scene)
+            seen = own | {"window": _around_frame(own["window"], frame, width, height)}
+    return seen
+
+
+def _around_frame(window, frame, width, height):
+    """What of a panorama's square a region shows whose camera frame shows ``window``."""
+    left, right, bottom, top = window
+    x0, y0, x1, y1 = frame
+    across, up = (right - left) / (x1 - x0), (top - bottom) / (y1 - y0)
+    x, y = left - x0 * across, bottom - y0 * up
+    return x, x + width * across, y, y + height * up
 
 
 def _window(p) -> tuple[float, float, float, float]:

@@ -7,6 +7,7 @@ when the region shows something else.
 
 from __future__ import annotations
 
+import dataclasses
 import time
 import weakref
 
@@ -142,6 +143,8 @@ class Viewport:
 
     def _want(self, scene: Scene, settings: RenderSettings, camera: Camera | None) -> None:
         """Have this rendered, unless it is what is being rendered."""
+        if camera is not None and camera.lens is not None and settings.pixel_filter == "CENTER":
+            settings = dataclasses.replace(settings, pixel_filter="BOX")  # one point has no blur
         before = self._scene, self._settings
         unchanged = scene is before[0] and settings == before[1] and same(camera, self._camera)
         self._scene, self._settings, self._camera = scene, settings, camera

@@ -105,7 +105,7 @@ class Run:
         if self._seen is None:
             camera = self.scene.camera
             rays = camera_rays(camera, 0, 0, camera.width, camera.height)
-            self._seen = with_lobes(self.scene, trace_points(self.job(), *rays))
+            self._seen = with_lobes(self.scene, trace_points(self.job(), rays))
         return self._seen
 
     def sampled(self, method: str, count: int, threshold: float = 0.0) -> Picture:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..panorama import pixel_angle, space_axes
 from ..program import SurfaceData
 from ..scene import Camera, TriangleMesh
 from .values import dot, normalized
@@ -172,14 +173,16 @@ class ShadeContext:
 
     @cached_property
     def camera_position(self) -> np.ndarray:
-        """float32 (n, 3): right, up, away from the camera."""
-        matrix = np.linalg.inv(self.camera.camera_to_world)
-        moved = self.position @ matrix[:3, :3].T + matrix[:3, 3]
-        return (moved * (1.0, 1.0, -1.0)).astype(np.float32)
+        """float32 (n, 3): right, up, away from the camera; of a panorama as space_axes has it."""
+        matrix = np.linalg.inv(self.camera.camera_to_world @ space_axes(self.camera))
+        return (self.position @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
 
     @cached_property
     def footprint(self) -> np.ndarray:
         """float32 (n,), metres that a pixel covers at the point, seen straight on."""
+        if self.camera.kind == "PANORAMIC":
+            distance = np.linalg.norm(self.camera_position, axis=1)
+            return np.maximum(distance * pixel_angle(self.camera), 1e-6).astype(np.float32)
         left, right, _, _ = self.camera.window
         width = abs(right - left) / self.camera.width
         if self.camera.kind == "ORTHOGRAPHIC":
@@ -192,6 +195,9 @@ class ShadeContext:
         """float32 (n,), metres from where the ray began: as in Cycles, on the near clip plane."""
         if self._distance is not None:
             return self._distance
+        if self.camera.kind == "PANORAMIC":
+            beyond = np.linalg.norm(self.camera_position, axis=1) - self.camera.clip_start
+            return np.maximum(beyond, 0.0).astype(np.float32)
         depth = np.abs(self.camera_position[:, 2])
         beyond = np.maximum(depth - np.float32(self.camera.clip_start), 0.0)
         if self.camera.kind == "ORTHOGRAPHIC":

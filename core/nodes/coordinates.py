@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..panorama import panorama_places, space_axes
 from .values import column, divided, dot, length, normalized, parts, vector
 
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
@@ -15,6 +16,10 @@ _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 
 def _window(context):
     x, y, z = parts(context.camera_position)
+    if context.camera.kind == "PANORAMIC":
+        seen = normalized(context.camera_position) @ space_axes(context.camera)[:3, :3].T
+        places = panorama_places(context.camera.panorama, seen)
+        return vector(places[:, 0], places[:, 1], 0.0 * x)
     left, right, bottom, top = context.camera.window
     scale = np.where(z != 0.0, z, 1.0) if context.camera.kind != "ORTHOGRAPHIC" else 1.0
     return vector(
@@ -141,7 +146,7 @@ def _space_matrix(context, space):
     if space == "WORLD":
         return np.eye(4)
     if space == "CAMERA":
-        return context.camera.camera_to_world @ np.diag([1.0, 1.0, -1.0, 1.0])
+        return context.camera.camera_to_world @ space_axes(context.camera)
     return context.surface.object_to_world[context.object]
 
 

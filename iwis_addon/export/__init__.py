@@ -2,7 +2,9 @@
 
 errors                       what can stop an export
 local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
-camera, lamps, world         the other parts of a Scene
+camera, panorama, lamps,     the other parts of a Scene
+world
+motion                       the camera at other times, where the shutter is open
 material, shader_reader      shader nodes to rows of materials, and to closures of programs
 program_builder, ..._nodes, ..._images, surface_data
                              value nodes to operations, with all that these look up

@@ -11,11 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.scene import ORTHOGRAPHIC, PERSPECTIVE, Camera
+from ...core.scene import ORTHOGRAPHIC, PANORAMIC, PERSPECTIVE, Camera, Lens
 from .errors import ExportError
+from .panorama import panorama_of
+
+# Cycles' limits of what it divides by.
+_LEAST_FSTOP, _LEAST_FOCUS = 1e-5, 1e-5
 
 
-class _Lens(NamedTuple):
+class _Optics(NamedTuple):
     """The fields of a camera; by default what Cycles takes for an object that is no camera."""
 
     type: str = "PERSP"
@@ -58,38 +62,88 @@ def border_region(render) -> tuple[int, int, int, int]:
     return x0, y0, x1, y1
 
 
-def _lens_of(camera, warnings) -> _Lens:
-    if camera.type != "CAMERA":
-        warnings.append(f"Object {camera.name} is no camera: seen as through a 50 mm lens")
-        return _Lens()
-    data = camera.data
-    if data.type not in ("PERSP", "ORTHO"):
-        warnings.append(
-            f"Camera {camera.name}: type {data.type} is not supported, rendered as perspective"
-        )
-    if data.dof.use_dof:
-        warnings.append(f"Camera {camera.name}: depth of field is ignored, all is sharp")
-    return _Lens(*(getattr(data, name) for name in _Lens._fields))
+def _is_horizontal(optics, width, tall) -> bool:
+    """Whether the sensor is fitted to the frame's width. tall: height in pixels' widths"""
+    return optics.sensor_fit == "HORIZONTAL" or (optics.sensor_fit == "AUTO" and width >= tall)
 
 
-def _window(lens: _Lens, width, height, aspect) -> tuple[float, float, float, float]:
-    """(left, right, bottom, top) on the plane z = -1, or in metres for an orthographic camera.
-
-    aspect: height of a pixel over its width
-    """
-    tall = height * aspect
-    horizontal = lens.sensor_fit == "HORIZONTAL" or (lens.sensor_fit == "AUTO" and width >= tall)
-    sensor = lens.sensor_height if lens.sensor_fit == "VERTICAL" else lens.sensor_width
-    extent = lens.ortho_scale if lens.type == "ORTHO" else sensor / lens.lens
-    pixel = extent / (width if horizontal else tall)
+def _window(optics: _Optics, width, tall) -> tuple[float, float, float, float]:
+    """(left, right, bottom, top) on the plane z = -1, or in metres for an orthographic camera."""
+    vertical = optics.sensor_fit == "VERTICAL"
+    sensor = optics.sensor_height if vertical else optics.sensor_width
+    extent = optics.ortho_scale if optics.type == "ORTHO" else sensor / optics.lens
+    pixel = extent / (width if _is_horizontal(optics, width, tall) else tall)
     half_x, half_y = 0.5 * width * pixel, 0.5 * tall * pixel
-    x, y = lens.shift_x * extent, lens.shift_y * extent
+    x, y = optics.shift_x * extent, optics.shift_y * extent
     return x - half_x, x + half_x, y - half_y, y + half_y
 
 
-def _without_scale(matrix, name):
+def camera_lens(camera) -> Lens | None:
+    """The aperture of a camera object, or None where all is sharp."""
+    if camera.type != "CAMERA" or not camera.data.dof.use_dof:
+        return None
+    data, dof = camera.data, camera.data.dof
+    # Blender's lens is in millimetres; an orthographic camera has none, Cycles takes a metre.
+    length = 1.0 if data.type == "ORTHO" else data.lens * 1e-3
+    return Lens(
+        radius=length / (2.0 * max(dof.aperture_fstop, _LEAST_FSTOP)),
+        focus=max(_focus_distance(camera, dof), _LEAST_FOCUS),
+        blades=dof.aperture_blades,
+        rotation=dof.aperture_rotation,
+        ratio=dof.aperture_ratio,
+    )
+
+
+def _focus_distance(camera, dof) -> float:
+    """Metres along the camera's axis."""
+    target = dof.focus_object
+    if target is None:
+        return dof.focus_distance
+    place = target.matrix_world
+    bone = target.pose.bones.get(dof.focus_subtarget) if target.pose else None
+    if bone is not None:
+        place = place @ bone.matrix
+    eye = camera.matrix_world
+    return abs((eye.translation - place.translation).dot(eye.col[2].to_3d().normalized()))
+
+
+def camera_optics(camera, render, warnings: list[str]) -> dict:
+    """Fields of core.scene.Camera that follow from a camera object and the frame: kind, window,
+    clipping, panorama and lens."""
+    width, height = frame_size(render)
+    tall = height * render.pixel_aspect_y / render.pixel_aspect_x
+    if camera.type == "CAMERA":
+        optics = _Optics(*(getattr(camera.data, name) for name in _Optics._fields))
+    else:
+        optics = _Optics()
+        warnings.append(f"Object {camera.name} is no camera: seen as through a 50 mm lens")
+    panorama, kind = None, ORTHOGRAPHIC if optics.type == "ORTHO" else PERSPECTIVE
+    if optics.type == "PANO":
+        horizontal = _is_horizontal(optics, width, tall)
+        panorama = panorama_of(
+            camera.data, horizontal, tall / width if horizontal else width / tall
+        )
+    if panorama is not None:
+        kind, (x, y) = PANORAMIC, (optics.shift_x, optics.shift_y)
+        window = x, 1.0 + x, y, 1.0 + y
+    else:
+        window = _window(optics, width, tall)
+        if optics.type not in ("PERSP", "ORTHO"):
+            kind_of = f"Camera {camera.name}: type {optics.type}"
+            warnings.append(f"{kind_of} is not supported, rendered as perspective")
+    return {
+        "kind": kind,
+        "window": window,
+        "clip_start": optics.clip_start,
+        "clip_end": optics.clip_end,
+        "panorama": panorama,
+        "lens": camera_lens(camera),
+    }
+
+
+def camera_matrix(camera):
     """float64 (4, 4), axes of length 1: Blender ignores a camera's scale, not its mirroring."""
-    matrix = np.array(matrix, np.float64)
+    matrix, name = np.array(camera.matrix_world, np.float64), camera.name
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     if not np.isfinite(matrix).all() or not lengths.min() > 0.0:
         raise ExportError(
@@ -113,18 +167,12 @@ def export_camera(depsgraph, warnings: list[str], *, region=None) -> Camera:
             f"Scene {scene.name} has no camera: add one, or choose one in the scene's properties"
         )
     render = scene.render
-    lens = _lens_of(camera, warnings)
-    if render.use_motion_blur:
-        warnings.append(f"Scene {scene.name}: motion blur is ignored, the frame stands still")
+    optics = camera_optics(camera, render, warnings)
     width, height = frame_size(render)
-    aspect = render.pixel_aspect_y / render.pixel_aspect_x
     return Camera(
-        kind=ORTHOGRAPHIC if lens.type == "ORTHO" else PERSPECTIVE,
-        camera_to_world=_without_scale(camera.matrix_world, camera.name),
-        window=_window(lens, width, height, aspect),
+        camera_to_world=camera_matrix(camera),
         width=width,
         height=height,
         region=border_region(render) if region is None else tuple(region),
-        clip_start=lens.clip_start,
-        clip_end=lens.clip_end,
+        **optics,
     )

@@ -7,8 +7,9 @@ import bpy
 import pytest
 
 import iwis
+from iwis.core.scene import PANORAMAS
 from iwis.core.stats import RenderStats
-from iwis.iwis_addon import dependencies, panels, panels_status
+from iwis.iwis_addon import dependencies, panels, panels_camera, panels_status
 from iwis.iwis_addon.job import RenderJob, RenderRecord
 from iwis.iwis_addon.notices import advice_before_render, environment_node, merge
 from iwis.iwis_addon.preferences import IWISPreferences
@@ -81,7 +82,8 @@ def test_unregister_takes_everything_back():
     assert set(NEEDED) <= compatible()
 
 
-PANELS = [*panels.CLASSES, *panels_status.CLASSES, IWISPreferences]
+CAMERA_PANELS = [panels_camera.IWIS_PT_motion_blur, panels_camera.IWIS_PT_motion_blur_curve]
+PANELS = [*panels.CLASSES, *CAMERA_PANELS, *panels_status.CLASSES, IWISPreferences]
 
 
 class Layout:
@@ -98,6 +100,8 @@ class Layout:
         assert hasattr(bpy.types, name.replace("iwis.", "IWIS_OT_")), name
         self.drawn.append(name)
         return types.SimpleNamespace()
+
+    template_curve_mapping = prop
 
     def label(self, text="", icon="NONE"):
         self.drawn.append(text)
@@ -124,6 +128,25 @@ def test_panels_draw_what_exists(scene, cls):
     assert panel.layout.drawn or has_children
 
 
+@pytest.mark.parametrize("kind", PANORAMAS)
+def test_every_panorama_can_be_set(scene, kind):
+    """With all its numbers, for a camera of type PANO only."""
+    data = bpy.data.cameras.new("Camera")
+    context = types.SimpleNamespace(engine="IWIS", camera=data)
+    assert not panels_camera.IWIS_PT_panorama.poll(context)
+    data.type = "PANO"
+    assert panels_camera.IWIS_PT_panorama.poll(context)
+    owner = data if hasattr(data, "panorama_type") else data.cycles
+    owner.panorama_type = kind
+    panel = types.SimpleNamespace(layout=Layout())
+    panel.split_layout = lambda: panel.layout
+    panels_camera.IWIS_PT_panorama.draw(panel, context)
+    own = [
+        name for name in PANORAMAS[kind] if name not in ("sensor_width", "sensor_height", "axis")
+    ]
+    assert len(panel.layout.drawn) == 1 + len(own) + (kind == "CENTRAL_CYLINDRICAL")
+
+
 def test_every_property_and_operator_has_a_tooltip_of_one_sentence(scene):
     """No full stop inside, none at the end: as Blender's own."""
     groups = [scene.iwis, scene.iwis.viewport, scene.view_layers[0].iwis]
@@ -144,7 +167,8 @@ def test_order_and_words_are_blenders():
     """The render tab's panels, as Cycles orders them."""
     labels = {cls.bl_label: cls.bl_order for cls in PANELS if hasattr(cls, "bl_order")}
     assert sorted(labels, key=labels.get) == [
-        "Warnings", "Sampling", "Light", "Simplify", "Film", "Performance", "Statistics",
+        "Warnings", "Sampling", "Light", "Simplify", "Motion Blur", "Film", "Performance",
+        "Statistics",
     ]  # fmt: skip
 
 

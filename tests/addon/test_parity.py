@@ -1,14 +1,21 @@
-"""A part of the parity suite (`make parity` runs all of it): one in ten of those without noise, and
-a few lamps."""
+"""A part of the parity suite (`make parity` runs all of it): one in ten of those without noise, a
+few lamps, depth of field."""
 
 import bpy
 import pytest
 from parity.all_cases import ALL_CASES
 from parity.compare import run_case
 
-_LAMPS = "Spot, scaled", "Sun, 5 degrees", "Area DISK, spread 60"
+_NOISY = (
+    "Spot, scaled",
+    "Sun, 5 degrees",
+    "Area DISK, spread 60",
+    "Camera depth of field of glowing checks",
+    "Mix, three closures",
+    "Transparent from behind",
+)
 _CHOSEN = [case for case in ALL_CASES if not case.noisy][::10]
-_CHOSEN += [case for case in ALL_CASES if case.name in _LAMPS]
+_CHOSEN += [case for case in ALL_CASES if case.name in _NOISY]
 
 
 @pytest.mark.slow

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from iwis.iwis_addon.export.camera import export_camera
+from iwis.iwis_addon.export.live import same
+from iwis.iwis_addon.settings import viewport_settings
 from iwis.iwis_addon.view_camera import view_camera
 
 WIDTH, HEIGHT = 64, 48
@@ -106,3 +108,60 @@ def test_opaque_passepartout_hides_what_is_around(seen):
     assert 0 < x0 < x1 < 2 * WIDTH
     data.passepartout_alpha = 0.5
     assert view_camera(*view, 1).region == everything.region
+
+
+def test_a_view_through_the_camera_has_its_lens(seen):
+    """Depth of field as in the render, in the camera's view only; an edit is another camera."""
+    dof = seen.camera.data.dof
+    dof.use_dof, dof.aperture_fstop, dof.focus_distance = True, 0.5, 3.0
+    got = view_camera(*make_view(seen), 1)
+    assert got.lens == export_camera(bpy.context.evaluated_depsgraph_get(), []).lens
+    assert view_camera(*make_view(seen, "PERSP"), 1).lens is None
+    dof.focus_distance = 4.0
+    assert not same(got, view_camera(*make_view(seen), 1))
+
+
+@pytest.mark.parametrize("size", [(WIDTH, HEIGHT), (2 * WIDTH, HEIGHT)])
+def test_a_panorama_fills_the_cameras_frame(seen, size):
+    """In a view of the frame's size the render's picture; in a wider one it goes on beside it."""
+    data = seen.camera.data
+    data.type = "PANO"
+    owner = data if hasattr(data, "panorama_type") else data.cycles
+    owner.panorama_type = "EQUIRECTANGULAR"
+    bpy.context.view_layer.update()
+    expected = export_camera(bpy.context.evaluated_depsgraph_get(), [])
+    view = make_view(seen, size=size)
+    got = view_camera(*view, 1)
+    assert (got.kind, got.panorama) == ("PANORAMIC", expected.panorama)
+    assert (got.clip_start, got.clip_end) == (expected.clip_start, expected.clip_end)
+    x0, y0, x1, y1 = view_frame(view, size)
+    left, right, bottom, top = got.window
+    x, y = np.array([x0, x1]) / got.width, np.array([y0, y1]) / got.height
+    np.testing.assert_allclose(left + (right - left) * x, expected.window[:2], atol=1e-5)  # float32
+    np.testing.assert_allclose(bottom + (top - bottom) * y, expected.window[2:], atol=1e-5)
+
+
+def view_frame(view, size):
+    """The camera's frame in pixels of the region, by its corners in the window's matrix."""
+    _, region_3d, space, scene = view
+    corners = np.array(space.camera.data.view_frame(scene=scene))
+    points = np.c_[corners, np.ones(4)] @ np.array(region_3d.window_matrix).T
+    screen = (points[:, :2] / points[:, 3:] + 1.0) * 0.5 * size
+    return *screen.min(axis=0), *screen.max(axis=0)
+
+
+def test_a_view_with_an_open_lens_takes_several_points_a_pixel(seen, monkeypatch):
+    """The view's default filter, Center, has no blur: Box stands in, and only there."""
+    from iwis.iwis_addon import viewport
+
+    asked = []
+    thread = SimpleNamespace(request=lambda scene, settings: asked.append(settings))
+    view = SimpleNamespace(
+        _scene=None, _settings=None, _camera=None, restarts=0, thread=thread, picture=None
+    )
+    settings = viewport_settings(seen)
+    monkeypatch.setattr(viewport, "_replace", lambda scene, **changes: scene)
+    for use_dof in (False, True):
+        seen.camera.data.dof.use_dof = use_dof
+        viewport.Viewport._want(view, object(), settings, view_camera(*make_view(seen), 1))
+    assert [own.pixel_filter for own in asked] == ["CENTER", "BOX"]

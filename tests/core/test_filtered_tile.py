@@ -7,7 +7,8 @@ import pytest
 
 from iwis.core import filtered_tile
 from iwis.core.film import LAYERS
-from iwis.core.filtered_tile import FilteredTile, samples_of_a_pass
+from iwis.core.filtered_tile import FilteredTile
+from iwis.core.pass_rays import samples_of_a_pass
 from iwis.core.settings import RenderSettings
 from iwis.core.tile_job import Rect
 from support.scenes import (
@@ -180,7 +181,7 @@ def test_passes_of_few_samples():
     """Never less than four shading points a pixel, unless MAX is below that."""
     for most, n, expected in ((100, 8, 8), (16, 8, 4), (5, 8, 1), (1, 8, 1), (100, 1, 1)):
         settings = RenderSettings(max_samples=most, batch_size=n)
-        assert samples_of_a_pass(settings) == expected
+        assert samples_of_a_pass(settings, camera_above()) == expected
 
 
 @pytest.mark.parametrize(("most", "n"), [(1, 8), (13, 3), (30, 8)])

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from iwis.core.camera import CameraRays
 from iwis.core.lamp_light import ALL_LAMPS, COLUMNS, LampSamples, add_lamp_light
 from iwis.core.lamps import (
     BEAM,
@@ -93,7 +94,7 @@ def seen_point(material, copies=1, blocker=None):
         parts, materials = [*parts, blocker], [*materials, material]
     job = make_job(make_scene(parts, materials, DARK, camera_above()))
     start, along = (10.0 * WO).astype(np.float32)[None], (-WO).astype(np.float32)[None]
-    points = trace_points(job, start, along)
+    points = trace_points(job, CameraRays(start, along, np.full(1, 1e3, np.float32)))
     points = ShadingPoints(*(np.repeat(column, copies, axis=0) for column in points))
     return points, with_lobes(job.scene, points).lobes, job.accel
 

@@ -40,7 +40,7 @@ def test_an_empty_mesh_is_a_picture_of_the_world(estimator, table_dir):
     layers, stats = make_picture(
         make_scene([], [], world, camera), estimator=estimator, cache_dir=table_dir
     )
-    _, directions = camera_rays(camera, 0, 0, camera.width, camera.height)
+    _, directions, _ = camera_rays(camera, 0, 0, camera.width, camera.height)
     expected = np.empty((len(directions), 3), np.float32)
     eval_environment_many(make_lookup(world), directions, expected)
     expected = expected.reshape(camera.height, camera.width, 3)

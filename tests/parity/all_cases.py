@@ -8,6 +8,7 @@ from . import (
     lit_cases,
     texture_cases,
     value_cases,
+    view_cases,
 )
 from .cases import CASES
 
@@ -19,5 +20,6 @@ _FAMILIES = (
     lit_cases,
     closure_cases,
     lamp_cases,
+    view_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

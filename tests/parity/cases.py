@@ -9,19 +9,32 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Case:
     """build(scene, tree) makes the material; lit: by a world, else it glows by itself.
-    noisy: lit by something that both engines sample; renders: by IWIS, with other seeds
 
+    by_lamps: it is lit by lamps, in the dark or under a world too
+    blurred: several points a pixel, by the camera or by what is seen through
+    samples: of a pixel, in IWIS and in Cycles, where there is noise
     warns: a part of the warning that IWIS must give; differs: why Cycles' picture is another one
     """
 
     name: str
     build: Callable
     lit: bool = False
-    noisy: bool = False
-    renders: int = 1
+    by_lamps: bool = False
+    blurred: bool = False
+    samples: tuple[int, int] = (64, 128)
     with_alpha: bool = False
     warns: str = ""
     differs: str = ""
+
+    @property
+    def noisy(self) -> bool:
+        """Whether there is something that both engines sample."""
+        return self.lit or self.by_lamps or self.blurred
+
+    @property
+    def renders(self) -> int:
+        """How often IWIS renders it, with other seeds."""
+        return 8 if self.by_lamps else 2 if self.noisy else 1
 
 
 CASES: list[Case] = []
@@ -34,11 +47,9 @@ def shown(name, make, **options):
 
 def lit(name, make, **options):
     """A case that shows the shader make(tree) under a world."""
-    CASES.append(
-        Case(name, lambda scene, tree: tree.surface(make(tree)), lit=True, noisy=True, **options)
-    )
+    CASES.append(Case(name, lambda scene, tree: tree.surface(make(tree)), lit=True, **options))
 
 
 def lit_by(name, build, world=False, **options):
     """A case under lamps, in the dark or under a world too: build(scene, tree) makes both."""
-    CASES.append(Case(name, build, lit=world, noisy=True, renders=8, **options))
+    CASES.append(Case(name, build, lit=world, by_lamps=True, **options))

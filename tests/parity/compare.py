@@ -1,6 +1,6 @@
 """One case, rendered by both: how much they differ beyond their own noise, and where.
 
-A case that only glows has no noise: one render each. A lit case is rendered twice by both, with
+A case that only glows has no noise: one render each. Another one is rendered twice by both, with
 other seeds, under lamps eight times by IWIS: of the mean square of their difference the noise,
 known from these, is taken off.
 """
@@ -25,7 +25,7 @@ from .scene import empty_scene
 LIMIT = 0.01
 # Pixels at an edge see, in Cycles, a ray within a hundredth of a pixel of the centre.
 EDGES = 0.01
-IWIS_SAMPLES, CYCLES_SAMPLES = 64, 128
+BLURRED_PASSES, IWIS_BATCH = 256, 4
 
 
 class Result(NamedTuple):
@@ -48,25 +48,30 @@ def run_case(case: Case, folder: Path) -> Result:
     """Build, render and compare."""
     scene, tree = empty_scene(case.lit)
     case.build(scene, tree)
-    seeds = range(2 if case.noisy else 1)
-    ours = [_render_iwis(scene, seed, folder, case.noisy) for seed in range(case.renders)]
+    ours = [_render_iwis(scene, seed, folder, case) for seed in range(case.renders)]
     warnings = RenderJob.get().records[-1].stats.warnings
-    theirs = [_render_cycles(scene, seed, folder, case.noisy) for seed in seeds]
+    seeds = range(2 if case.noisy else 1)
+    theirs = [_render_cycles(scene, seed, folder, case) for seed in seeds]
     return _compared(np.array(ours), np.array(theirs), case, warnings)
 
 
-def _render_iwis(scene, seed, folder, noisy):
+def _render_iwis(scene, seed, folder, case):
     scene.iwis.seed = seed
-    scene.iwis.pixel_filter = "CENTER"
-    scene.iwis.max_samples = IWIS_SAMPLES if noisy else 1
+    scene.iwis.pixel_filter = "BLACKMAN_HARRIS" if case.blurred else "CENTER"
+    scene.iwis.filter_width = 0.01  # as Cycles' here: the middle of the pixel
+    scene.iwis.max_samples = case.samples[0] if case.noisy else 1
+    if case.blurred:
+        scene.iwis.max_samples = BLURRED_PASSES * IWIS_BATCH
     scene.iwis.stop_rule = "FIXED"
     layers = render_iwis(scene, folder)
     return next(v for k, v in layers.items() if k.endswith("Combined"))
 
 
-def _render_cycles(scene, seed, folder, noisy):
+def _render_cycles(scene, seed, folder, case):
     scene.cycles.seed = seed
-    samples = CYCLES_SAMPLES if noisy else 1
+    samples = case.samples[1] if case.noisy else 1
+    if case.blurred:
+        samples = BLURRED_PASSES
     use = cycles_render.use_cycles
     try:
         cycles_render.use_cycles = functools.partial(use, samples=samples)

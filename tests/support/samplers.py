@@ -25,7 +25,7 @@ class PixelPoints(NamedTuple):
 def pixel_points(scene) -> PixelPoints:
     """Camera rays, first hits, lobes."""
     x0, y0, x1, y1 = scene.camera.region
-    origins, directions = camera_rays(scene.camera, x0, y0, x1 - x0, y1 - y0)
+    origins, directions, _ = camera_rays(scene.camera, x0, y0, x1 - x0, y1 - y0)
     accel = Accel(scene.mesh)
     hit, u, v = accel.intersect(origins, directions)
     points = shading_points(scene.mesh, hit, u, v, directions)

@@ -1,0 +1,73 @@
+"""The rays of a pass: each pixel's next place in the filter, on the lens and in time.
+
+All three are quasi-random points of their own (pixel_filter.unit_points), so the passes of a pixel
+cover the filter, the lens and the shutter's time evenly, and neighbours differ.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .camera import CameraRays, rays_through, shutter_times, view_depth
+from .lens import blur_widths
+from .pixel_filter import LAYERS, LENS, TIME, filter_offsets, unit_points
+from .scene import Camera
+from .settings import RenderSettings
+
+# What the lens spreads over fewer pixels needs no more rays than a sharp picture.
+_SHARP_PX = 1.0
+# Shadow rays of a point where lens or motion blur: 8 reach the same mean error in a fifth less time
+# than 4, but bright spots out of focus want many points (docs/decisions/0020-cameras.md).
+_BLURRED_SAMPLES = 4
+PILOT = 4  # passes of every pixel, after which its neighbourhood is known
+
+
+def samples_of_a_pass(settings: RenderSettings, camera: Camera) -> int:
+    """Shadow rays of one shading point: n, or less where MAX would leave no PILOT passes.
+
+    Less, too, where lens or motion blur. A budget with a target takes half of it for the pilot at
+    the most.
+    """
+    most = settings.max_samples
+    if settings.stop_rule == "BUDGET" and settings.target_samples:
+        most = min(most, settings.target_samples // 2)
+    sharp = camera.lens is None and camera.motion is None
+    n = settings.batch_size if sharp else min(settings.batch_size, _BLURRED_SAMPLES)
+    return max(1, min(n, most // PILOT))
+
+
+def pass_rays(
+    camera: Camera, settings: RenderSettings, columns: np.ndarray, rows: np.ndarray, number: int
+) -> CameraRays:
+    """Ray ``number`` of pixels of the frame. columns, rows: int64 (n,)"""
+    own = 0 if settings.decorrelation == "NONE" else 1
+    place = own * columns, own * rows, number, settings.seed
+    offsets = filter_offsets(settings.pixel_filter, settings.filter_width, unit_points(*place))
+    x, y = columns + 0.5 + offsets[:, 0], rows + 0.5 + offsets[:, 1]
+    lens_uv = None if camera.lens is None else unit_points(*place, LENS)
+    times = None
+    if camera.motion is not None:
+        times = shutter_times(camera.motion, unit_points(*place, TIME)[:, 0])
+    return rays_through(camera, x, y, lens_uv, times)
+
+
+def pass_numbers(settings: RenderSettings, columns, rows, number: int) -> np.ndarray:
+    """float64 (n,) in [0, 1): what cut-outs draw for the same rays (cutouts.points_through)."""
+    own = 0 if settings.decorrelation == "NONE" else 1
+    return unit_points(own * columns, own * rows, number, settings.seed, LAYERS)[:, 0]
+
+
+def blurred(camera: Camera, positions: np.ndarray) -> np.ndarray:
+    """bool (n,): whether lens or motion spread what is at a place, (n, 3), over several pixels."""
+    if camera.motion is not None:
+        return np.ones(len(positions), np.bool_)
+    if camera.lens is None:
+        return np.zeros(len(positions), np.bool_)
+    return blur_widths(camera, view_depth(camera, positions)) > _SHARP_PX
+
+
+def world_blurred(camera: Camera) -> bool:
+    """The same of the world."""
+    if camera.motion is not None:
+        return True
+    return camera.lens is not None and bool(blur_widths(camera, np.array([np.inf]))[0] > _SHARP_PX)

@@ -1,0 +1,137 @@
+"""The camera's motion blur: times, shutter, and that Blender stands at its frame afterwards."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+from iwis.iwis_addon.export.motion import shutter_times
+from iwis.iwis_addon.job import RenderJob
+from iwis.iwis_addon.session import FinalRender
+from support.iwis_render import render_iwis
+
+
+def _linear(owner):
+    action = owner.animation_data.action
+    layered = getattr(action, "layers", None)
+    curves = action.layers[0].strips[0].channelbags[0].fcurves if layered else action.fcurves
+    for curve in curves:
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
+@pytest.fixture
+def moving(cube_scene, monkeypatch):
+    """A camera that goes 10 m a frame and turns by 30 degrees; scenes that were rendered."""
+    camera = cube_scene.camera
+    camera.rotation_mode, camera.rotation_euler = "XYZ", (0.0, 0.0, 0.0)
+    for frame in (0, 10):
+        camera.location = (10.0 * frame, 0.0, 5.0)
+        camera.rotation_euler[2] = math.radians(30.0) * frame
+        camera.keyframe_insert("location", frame=frame)
+        camera.keyframe_insert("rotation_euler", frame=frame)
+    _linear(camera)
+    cube_scene.render.use_motion_blur = True
+    cube_scene.render.motion_blur_shutter = 0.5
+    cube_scene.render.resolution_x = cube_scene.render.resolution_y = 8
+    cube_scene.iwis.pixel_filter, cube_scene.iwis.max_samples = "BOX", 4
+    cube_scene.frame_set(4)
+    return cube_scene
+
+
+@pytest.fixture
+def rendered(moving, monkeypatch, tmp_path):
+    """Renders the scene: the exported one."""
+    seen = []
+    render_view = FinalRender._render_view
+
+    def spy(self, view, scene, rows):
+        seen.append(scene)
+        return render_view(self, view, scene, rows)
+
+    monkeypatch.setattr(FinalRender, "_render_view", spy)
+
+    def run():
+        render_iwis(moving, tmp_path)
+        return seen[-1].camera
+
+    return run
+
+
+@pytest.mark.parametrize(("position", "first"), [("START", 4.0), ("CENTER", 3.75), ("END", 3.5)])
+def test_the_camera_is_read_over_the_shutters_time(moving, rendered, position, first):
+    """From first to last in half a frame; all else is of its middle; then the frame is back."""
+    moving.render.motion_blur_position = position
+    camera = rendered()
+    x = camera.motion.matrices[:, 0, 3]
+    np.testing.assert_allclose(x, np.linspace(10 * first, 10 * first + 5, len(x)), atol=1e-4)
+    assert camera.camera_to_world[0, 3] == pytest.approx(10 * first + 2.5, abs=1e-4)
+    turn = np.arctan2(camera.motion.matrices[:, 1, 0], camera.motion.matrices[:, 0, 0])
+    steps = np.diff(np.unwrap(turn))
+    np.testing.assert_allclose(steps, math.radians(15.0) / len(steps), atol=1e-5)  # float32
+    assert (moving.frame_current, moving.frame_subframe) == (4, 0.0)
+    assert moving.camera.matrix_world[0][3] == pytest.approx(40.0)
+
+
+def test_a_camera_that_stands_has_no_motion(moving, rendered):
+    """Nothing to blur: neither passes nor samples are spent on it."""
+    moving.camera.animation_data_clear()
+    assert rendered().motion is None
+
+
+def test_a_camera_may_be_kept_from_blurring(moving, rendered):
+    """Its own Motion Blur option, and motion blur as a whole."""
+    moving.camera.cycles.use_motion_blur = False
+    assert rendered().motion is None
+    moving.camera.cycles.use_motion_blur = True
+    assert rendered().motion is not None
+    moving.render.use_motion_blur = False
+    assert rendered().motion is None
+
+
+def test_moving_objects_are_told(moving, rendered):
+    """One line with their number and names."""
+    cube = next(obj for obj in moving.objects if obj.type == "MESH")
+    for frame in (0, 10):
+        cube.location.z = 0.1 * frame
+        cube.keyframe_insert("location", frame=frame)
+    rendered()
+    lines = RenderJob.get().records[-1].stats.warnings
+    told = [line for line in lines if "motion blur" in line]
+    assert len(told) == 1 and "1 moving objects stand still" in told[0] and cube.name in told[0]
+
+
+def test_the_shutters_curve_says_when_light_comes_in(scene):
+    """Open all the time: evenly; a ramp from 0 to 1: as the square root."""
+    curve = scene.render.motion_blur_shutter_curve
+    points = curve.curves[0].points
+    for point, y in ((points[0], 1.0), (points[len(points) - 1], 1.0)):
+        point.location = (point.location[0], y)
+    while len(points) > 2:
+        points.remove(points[1])
+    points[0].location, points[1].location = (0.0, 1.0), (1.0, 1.0)
+    curve.update()
+    u = np.linspace(0.0, 1.0, 257)
+    np.testing.assert_allclose(shutter_times(scene.render), u, atol=1e-6)
+    points[0].location = (0.0, 0.0)
+    for point in points:
+        point.handle_type = "VECTOR"
+    curve.update()
+    np.testing.assert_allclose(shutter_times(scene.render), np.sqrt(u), atol=2e-3)  # 256 parts
+
+
+def test_an_f_curve_of_the_lens_is_motion(moving, rendered):
+    """A zoom: the window's width changes with the time, though the camera stands."""
+    moving.camera.animation_data_clear()
+    data = moving.camera.data
+    for frame, lens in ((0, 20.0), (10, 60.0)):
+        data.lens = lens
+        data.keyframe_insert("lens", frame=frame)
+    _linear(data)
+    windows = rendered().motion.windows
+    widths = 36.0 / (windows[:, 1] - windows[:, 0])
+    assert widths[0] == pytest.approx(35.0, rel=1e-4) and widths[-1] == pytest.approx(
+        37.0, rel=1e-4
+    )
+    assert bpy.context.scene.camera.data.lens == pytest.approx(36.0)
