@@ -303,7 +303,7 @@ def test_many_lamps_are_chosen_from_without_bias():
             sampled(rows[k : k + 14], MATERIALS[material], 1000, 64).mean(0).sum()
             for k in range(0, len(rows), 14)
         )
-        found = sampled(rows, MATERIALS[material], 4000, 8).sum(1)
+        found = sampled(rows, MATERIALS[material], 8000, 8).sum(1)  # sees an error of 5 %
         # The other way has an error too: 64000 stratified samples, 1e-3 of the sum.
         near = abs(found.mean() / expected - 1.0) < 2e-3
         assert near or t_p_value(found, expected) > sidak(1e-3, 2)
