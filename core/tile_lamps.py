@@ -102,7 +102,7 @@ class TileLamps:
         self._add(points, lobes, self._hard, places, 0, self._light)
 
     def _settled(self, points, lobes, places, first, end) -> np.ndarray:
-        """float64 (n, COLUMNS + 1): sums of samples first ... end - 1, last of squared luminance."""
+        """float64 (n, COLUMNS + 1): sums of samples first ... end - 1; last, of their squares."""
         sums = np.zeros((len(points.pixel), COLUMNS + 1))
         for k in range(first, end):
             light = np.zeros((len(points.pixel), COLUMNS))
