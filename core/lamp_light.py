@@ -195,7 +195,7 @@ def _by_lobe(at, points, p, lamps, shares, u, v, offset, rays, n, sums):
 
 @kernel(forceinline=True)
 def _share_out(lamps, powers, points, p, shares):
-    """Write how many samples each lamp may expect at point p; returns their sum."""
+    """Write how many samples each lamp may expect at point p."""
     px, py, pz = _float64(points.position, p)
     total = 0.0
     for i in range(len(powers)):
@@ -203,38 +203,38 @@ def _share_out(lamps, powers, points, p, shares):
         total += shares[i]
     for i in range(len(powers)):
         shares[i] = shares[i] * CHOSEN_LAMPS / total if total > 0.0 else 0.0
-    return total
 
 
 @kernel
 def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, sums):
     """Write a sample of points from ``first`` on: (the next point, number of rays)."""
     n, p, n_lamps = 0, first, len(powers)
-    all_of_them = n_lamps <= ALL_LAMPS
-    most = n_lamps + (n_lamps if all_of_them else CHOSEN_LAMPS)
-    while p < len(points.pixel) and n + most <= len(rays.reach):
+    choose = n_lamps > ALL_LAMPS
+    count = CHOSEN_LAMPS if choose else n_lamps
+    shares[:] = 1.0
+    while p < len(points.pixel) and n + count + n_lamps <= len(rays.reach):
         at = lobes_at(lobes, p)
-        place = samples.columns[p], samples.rows[p], samples.number, samples.seed
-        follows = at.kind > DIFFUSE_LOBE and at.alpha < _NARROW
         if at.kind == 0:
             p += 1
             continue
-        if all_of_them:
-            for i in range(n_lamps):
-                shares[i] = 1.0
-                a, b = point_of_pixel(place, _LAMP_SALT + 3 * i)
-                n = _to_lamp(at, points, p, lamps, i, 1.0, follows, a, b, offset, rays, n, sums)
-        elif _share_out(lamps, powers, points, p, shares) > 0.0:
+        place = samples.columns[p], samples.rows[p], samples.number, samples.seed
+        follows = at.kind > DIFFUSE_LOBE and at.alpha < _NARROW
+        start = 0.0
+        if choose:
+            _share_out(lamps, powers, points, p, shares)
             start, _ = point_of_pixel(place, _CHOICE_SALT)
-            i, passed = 0, shares[0]
-            for k in range(CHOSEN_LAMPS):
+        i, passed = 0, shares[0]
+        for k in range(count):
+            if choose:
                 while passed <= start + k and i < n_lamps - 1:
                     i += 1
                     passed += shares[i]
-                if shares[i] > 0.0:
-                    a, b = point_of_pixel(place, _LAMP_SALT + 3 * k)
-                    own = at, points, p, lamps, i, shares[i], follows, a, b
-                    n = _to_lamp(*own, offset, rays, n, sums)
+            else:
+                i = k
+            if shares[i] > 0.0:
+                a, b = point_of_pixel(place, _LAMP_SALT + 3 * k)
+                own = at, points, p, lamps, i, shares[i], follows, a, b
+                n = _to_lamp(*own, offset, rays, n, sums)
         if follows:
             u, v = point_of_pixel(place, _BSDF_SALT)
             n = _by_lobe(at, points, p, lamps, shares, u, v, offset, rays, n, sums)
