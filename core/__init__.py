@@ -15,7 +15,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes, nodes,
     sample_plan, measured, lobe_setup
     product_build, warp, light_rays, paper_tables,   5  product sampling; the tables of a scene
-    pass_sums, light_cells, surface
+    pass_sums, light_cells, surface, backdrop
     weigh, guide, paper_products, light_tree,        6  what samples bring, and teach; layers
     develop
     unbiased, paper, render_cache                    7  the two modes; what is kept

@@ -86,7 +86,7 @@ class CenterTile:
         points, lobes, _ = self._seen
         layers = develop_points(
             self._job.scene,
-            self._job.light.lookup,
+            self._job.seen_world,
             PlacedPoints(points, lobes, self._places),
             self._missed,
             self._sums,

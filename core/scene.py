@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .program import Shaders
+from .program import Shaders, WorldProgram
 
 EQUIRECTANGULAR, MIRROR_BALL = "EQUIRECTANGULAR", "MIRROR_BALL"
 LINEAR, CLOSEST, LINEAR_SRGB = "LINEAR", "CLOSEST", "LINEAR_SRGB"
@@ -169,6 +169,7 @@ class Scene:
     terminator_offset: float32 (n_objects,), Blender's shadow terminator geometry offset: shadow
         rays of a smaller cosine start above coarse smooth faces; None = 0 for all
     shaders: materials that vary over the surface; None: materials says all
+    backdrop: what camera rays that hit nothing see in place of environment; None = the same
     transparent_film: alpha 0 where the camera sees the world
     exposure: factor of the film
     measured: the BRDFs that materials of model MEASURED name by their row
@@ -182,6 +183,7 @@ class Scene:
     object_pass_index: np.ndarray
     terminator_offset: np.ndarray | None = None
     shaders: Shaders | None = None
+    backdrop: EnvironmentMap | WorldProgram | None = None
     transparent_film: bool = False
     exposure: float = 1.0
     measured: MeasuredBrdfs = NO_MEASURED

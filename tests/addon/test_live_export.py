@@ -6,7 +6,7 @@ import pytest
 
 from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene
 from iwis.iwis_addon.export import local_mesh as local_mesh_module
-from iwis.iwis_addon.export.live import same
+from iwis.iwis_addon.export.same import same
 from support.above import add_monkey
 
 
