@@ -1,11 +1,16 @@
-"""A part of the parity suite (`make parity` runs all of it): one in ten of those without noise."""
+"""A part of the parity suite (`make parity` runs all of it): one in ten of those without noise.
+
+And two worlds: a map with a tree over it, and a camera that sees another picture than the light.
+"""
 
 import bpy
 import pytest
 from parity.all_cases import ALL_CASES
 from parity.compare import run_case
 
+_WORLDS = "World, ramp by height", "World, two backgrounds by camera ray"
 _CHOSEN = [case for case in ALL_CASES if not case.lit][::10]
+_CHOSEN += [case for case in ALL_CASES if case.name in _WORLDS]
 
 
 @pytest.mark.slow

@@ -1,7 +1,7 @@
 """The list of all cases."""
 
-from . import coordinate_cases, image_cases, lit_cases, texture_cases, value_cases
+from . import coordinate_cases, image_cases, lit_cases, texture_cases, value_cases, world_cases
 from .cases import CASES
 
-_FAMILIES = value_cases, coordinate_cases, image_cases, texture_cases, lit_cases
+_FAMILIES = value_cases, coordinate_cases, image_cases, texture_cases, lit_cases, world_cases
 ALL_CASES = CASES if all(_FAMILIES) else []

@@ -1,21 +1,25 @@
-"""What a case is. The cases: value_cases, coordinate_cases, image_cases, texture_cases."""
+"""What a case is. The cases are in the files that all_cases names."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from .scene import Tree
+
 
 @dataclass(frozen=True)
 class Case:
     """build(scene, tree) makes the material; lit: by a world, else it glows by itself.
 
+    samples: of a pixel of a lit one, in IWIS and in Cycles
     warns: a part of the warning that IWIS must give; differs: why Cycles' picture is another one
     """
 
     name: str
     build: Callable
     lit: bool = False
+    samples: tuple[int, int] = (64, 128)
     with_alpha: bool = False
     warns: str = ""
     differs: str = ""
@@ -32,3 +36,15 @@ def shown(name, make, **options):
 def lit(name, make, **options):
     """A case that shows the shader make(tree) under a world."""
     CASES.append(Case(name, lambda scene, tree: tree.surface(make(tree)), lit=True, **options))
+
+
+def world(name, make, **options):
+    """A case that lights a plain scene by the world make(tree), a shader or a colour."""
+
+    def build(scene, tree):
+        tree.surface(tree.made("ShaderNodeBsdfDiffuse", 0, {"Color": (0.8, 0.7, 0.6)}))
+        sky = Tree(scene.world.node_tree, "ShaderNodeOutputWorld")
+        sky.surface(make(sky))
+
+    # Two renders of IWIS with other seeds share some of their error: less of it is wanted here.
+    CASES.append(Case(name, build, lit=True, samples=(512, 512), **options))

@@ -24,7 +24,6 @@ from .scene import empty_scene
 LIMIT = 0.01
 # Pixels at an edge see, in Cycles, a ray within a hundredth of a pixel of the centre.
 EDGES = 0.01
-IWIS_SAMPLES, CYCLES_SAMPLES = 64, 128
 
 
 class Result(NamedTuple):
@@ -48,24 +47,24 @@ def run_case(case: Case, folder: Path) -> Result:
     scene, tree = empty_scene(case.lit)
     case.build(scene, tree)
     seeds = (0, 1) if case.lit else (0,)
-    ours = [_render_iwis(scene, seed, folder, case.lit) for seed in seeds]
+    own, cycles = case.samples if case.lit else (1, 1)
+    ours = [_render_iwis(scene, seed, folder, own) for seed in seeds]
     warnings = RenderJob.get().records[-1].stats.warnings
-    theirs = [_render_cycles(scene, seed, folder, case.lit) for seed in seeds]
+    theirs = [_render_cycles(scene, seed, folder, cycles) for seed in seeds]
     return _compared(np.array(ours), np.array(theirs), case, warnings)
 
 
-def _render_iwis(scene, seed, folder, lit):
+def _render_iwis(scene, seed, folder, samples):
     scene.iwis.seed = seed
     scene.iwis.pixel_filter = "CENTER"
-    scene.iwis.max_samples = IWIS_SAMPLES if lit else 1
+    scene.iwis.max_samples = samples
     scene.iwis.stop_rule = "FIXED"
     layers = render_iwis(scene, folder)
     return next(v for k, v in layers.items() if k.endswith("Combined"))
 
 
-def _render_cycles(scene, seed, folder, lit):
+def _render_cycles(scene, seed, folder, samples):
     scene.cycles.seed = seed
-    samples = CYCLES_SAMPLES if lit else 1
     use = cycles_render.use_cycles
     try:
         cycles_render.use_cycles = functools.partial(use, samples=samples)
