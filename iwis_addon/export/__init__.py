@@ -22,6 +22,7 @@ from .measured import add_measured, without_measured
 from .mesh import ExportCache, MeshExport, export_mesh
 from .surface_data import surface_data
 from .world import read_world, world_of
+from .world_picture import LEAST_IN_WINDOW
 
 __all__ = [
     "ExportCache",
@@ -52,6 +53,7 @@ def export_scene(
     """
     camera = camera or export_camera(depsgraph, warnings, region=region)
     keep = (live or LiveExport()).keep
+    least_height = None if live is None else LEAST_IN_WINDOW
     geometry = export_mesh(depsgraph, warnings, cache, cancelled)
     texels = None if cache is None else cache.texels
     materials, measured = keep(
@@ -64,7 +66,7 @@ def export_scene(
         "world",
         [world_of(depsgraph)],
         warnings,
-        lambda lines: read_world(depsgraph, lines, texels, cancelled),
+        lambda lines: read_world(depsgraph, lines, texels, cancelled, least_height),
     )
     if cancelled():
         raise ExportCancelled

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...core.program import Ref, WorldProgram
 from ...core.scene import EnvironmentMap
+from . import world_picture
 from .errors import ExportCancelled
 from .node_values import follow
 from .program_images import ImageStore
@@ -57,12 +58,14 @@ def read_world(
     warnings: list[str],
     cache: TexelCache | None = None,
     cancelled=lambda: False,
+    least_height: int | None = None,
 ) -> WorldExport:
     """The world's light. What cannot be read gets Cycles' colour and a warning.
 
     warnings: gets one line for each thing that is not as in Cycles
     cache: the same object for every frame of an animation; while the texels stay the same,
         EnvironmentMap.radiance is the same array
+    least_height: rows of a map that is made, LEAST_HEIGHT by default
     Raises ExportCancelled soon after cancelled() says so, and nothing else.
     """
     cache = cache or TexelCache()
@@ -77,19 +80,20 @@ def read_world(
     # Blender 5 always uses nodes and warns who asks.
     if world.node_tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):
         return WorldExport(_uniform(np.array(world.color, np.float32), world.name, visible))
-    return _Export(depsgraph_or_scene, world, warnings, cache, cancelled).read()
+    export = _Export(depsgraph_or_scene, world, warnings, cache)
+    return export.read(cancelled, least_height or world_picture.LEAST_HEIGHT)
 
 
 class _Export:
     """Makes the maps of one world."""
 
-    def __init__(self, depsgraph, world, warnings, cache, cancelled):
+    def __init__(self, depsgraph, world, warnings, cache):
         self._depsgraph, self._world, self._cache = depsgraph, world, cache
         self._warnings, self._reader = warnings, WorldReader(world, warnings)
-        self._images, self._cancelled = ImageStore(cache), cancelled
+        self._images = ImageStore(cache)
         self._threads = max(1, getattr(depsgraph, "scene_eval", depsgraph).render.threads)
 
-    def read(self) -> WorldExport:
+    def read(self, cancelled, least_height: int) -> WorldExport:
         """See read_world."""
         world, warn = self._world, self._reader.warn
         n_warnings = len(self._warnings)
@@ -106,7 +110,7 @@ class _Export:
         light = self._exact_map(tree, "light")
         is_exact = light is not None
         if light is None:
-            light = self._map_of_directions(tree)
+            light = self._map_of_directions(tree, least_height, cancelled)
         if len(self._warnings) == n_warnings and not _gives_light(light):
             warn(None, "it gives no light: all is black but what emits by itself")
         if not light.visible_to_camera:
@@ -133,9 +137,13 @@ class _Export:
         picture = picture_of_texels(tree, slot, self._cache, self._threads)
         return None if picture is None else self._map(picture, tree, slot)
 
-    def _map_of_directions(self, tree: WorldTree) -> EnvironmentMap:
-        own = self._cache, self._threads, self._reader, self._pause
-        return self._map(picture_of_directions(tree, "light", *own), tree, "light")
+    def _map_of_directions(self, tree: WorldTree, least_height, cancelled) -> EnvironmentMap:
+        def pause():
+            if cancelled():
+                raise ExportCancelled
+
+        own = self._cache, self._threads, least_height, self._reader, pause
+        return self._map(picture_of_directions(tree, *own), tree, "light")
 
     def _map(self, picture: Picture, tree: WorldTree, slot: str) -> EnvironmentMap:
         return EnvironmentMap(
@@ -167,10 +175,6 @@ class _Export:
             what = "its colour" if name is None else f'image "{name}":'
             self._reader.warn(None, f"{what} {note}")
         return radiance
-
-    def _pause(self):
-        if self._cancelled():
-            raise ExportCancelled
 
 
 def _gives_light(environment: EnvironmentMap) -> bool:

@@ -18,8 +18,9 @@ from ...core.scene import EQUIRECTANGULAR, LINEAR, EnvironmentMap
 from .program_nodes import PURE
 from .world_tree import WorldTree
 
-# Rows of a map whose tree has more than images: 0.18 degrees each. And of any: 400 MB.
-LEAST_HEIGHT, MOST_HEIGHT = 1024, 4096
+# Rows of a map at the least, 0.18 degrees each, and in a window, where a tree is edited and seen at
+# once: cameras do not look at it (backdrop_of). And at the most: 400 MB.
+LEAST_HEIGHT, LEAST_IN_WINDOW, MOST_HEIGHT = 1024, 512, 4096
 # Operations that know nothing but their inputs.
 _BY_INPUTS = PURE | {
     "ShaderNodeValToRGB",
@@ -47,6 +48,7 @@ _STEPS = set(
     "LESS_THAN GREATER_THAN COMPARE SIGN ROUND FLOOR CEIL TRUNC FRACT FRACTION MODULO "
     "FLOORED_MODULO WRAP SNAP DIVIDE TANGENT".split()
 )
+_WAVE = 4.0  # texels: a noise of longer waves has no edges
 _SAME = np.eye(3, 4, dtype=np.float32)
 
 
@@ -84,17 +86,17 @@ def picture_of_texels(tree: WorldTree, slot: str, cache, threads: int) -> Pictur
 
 
 def picture_of_directions(
-    tree: WorldTree, slot: str, cache, threads: int, reader, pause: Callable[[], None]
+    tree: WorldTree, cache, threads: int, least_height: int, reader, pause: Callable[[], None]
 ) -> Picture:
     """A new map of a tree that varies; the last frame's where the tree is the same.
 
-    slot, cache: as above; pause() may raise to stop
+    pause() may raise to stop
     """
     ops = reached_ops(tree.program, tree.value)
-    height = _height(ops, _images(ops), reader)
-    edges = any(_has_edges(op, height) for op in ops.values())
+    height = _height(ops, least_height, reader)
+    edges = any(_has_edges(op, ops, height) for op in ops.values())
     radiance = cache.kept(
-        ("map", slot),
+        "map",
         (tree.value, ops, height),
         lambda: evaluate_map(
             tree.program, tree.value, height, has_edges=edges, threads=threads, pause=pause
@@ -130,9 +132,9 @@ def _place(image: EnvironmentMap):
     return image.radiance.shape, *how
 
 
-def _height(ops, images, reader) -> int:
-    """Rows of the map of a tree: those of its largest image, and LEAST_HEIGHT at the least."""
-    heights = [LEAST_HEIGHT] + [image.radiance.shape[0] for image in images.values()]
+def _height(ops, least: int, reader) -> int:
+    """Rows of the map of a tree: those of its largest image, and ``least`` at the least."""
+    heights = [least] + [image.radiance.shape[0] for image in _images(ops).values()]
     for op in ops.values():
         tiles = op.settings.get("image") if op.kind == "ShaderNodeTexImage" else None
         for texels in tiles.tiles.values() if tiles else ():
@@ -146,7 +148,25 @@ def _height(ops, images, reader) -> int:
     return min(max(heights), MOST_HEIGHT)
 
 
-def _has_edges(op: Op, height: int) -> bool:
+def _finest_wave(noise: Op, ops: dict[int, Op]) -> float:
+    """What a noise's last octave changes over, radians; 0 where that cannot be told."""
+    place, stretch = noise.inputs.get("Vector"), 1.0
+    while isinstance(place, Ref) and ops[place.op].kind == "ShaderNodeMapping":
+        mapping = ops[place.op]
+        scale, kind = mapping.inputs["Scale"], mapping.settings["vector_type"]
+        if isinstance(scale, Ref) or kind not in ("POINT", "VECTOR"):
+            return 0.0
+        stretch *= float(np.abs(scale).max())
+        place = mapping.inputs["Vector"]
+    numbers = [noise.inputs.get(name, 0.0) for name in ("Scale", "Detail", "Lacunarity")]
+    is_direction = place is None or (isinstance(place, Ref) and ops[place.op].kind == DIRECTION)
+    if not is_direction or any(isinstance(value, Ref) for value in numbers):
+        return 0.0
+    scale, detail, lacunarity = map(float, numbers)
+    return 1.0 / max(abs(scale) * stretch * max(lacunarity, 1.0) ** detail, 1e-6)
+
+
+def _has_edges(op: Op, ops: dict[int, Op], height: int) -> bool:
     """Whether an operation may jump from a texel to the next."""
     settings = op.settings
     if op.kind == ENVIRONMENT:
@@ -164,6 +184,8 @@ def _has_edges(op: Op, height: int) -> bool:
         return settings["interpolation_type"] == "STEPPED"
     if op.kind == "ShaderNodeValToRGB":
         return bool(settings["stepped"])
+    if op.kind == "ShaderNodeTexNoise":
+        return _finest_wave(op, ops) < _WAVE * np.pi / height
     if op.kind == "ShaderNodeTexGradient":
         return settings["gradient_type"] == "RADIAL"
     return op.kind not in _BY_INPUTS and op.kind not in _SMOOTH

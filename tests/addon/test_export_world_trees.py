@@ -303,3 +303,25 @@ def test_lookups_by_what_is_no_matrix(scene, tree, texels, tmp_path):
     cycles = cycles_background(scene, tmp_path)
     difference = np.abs(seen - cycles).max(axis=1)
     assert np.quantile(difference, 0.99) < 2e-3
+
+
+def noise_is_refined(tree, monkeypatch, **values):
+    """Whether a world of noise is looked at more closely."""
+    noise, _ = noisy_world(tree, **{"Detail": 1.0, **values})
+    mapping = add(tree, "Mapping", Scale=(1.0, 2.0, 1.0))
+    link(tree, add(tree, "TexCoord"), mapping, noise)
+    found = []
+
+    def evaluate(program, value, height, *, has_edges, **rest):
+        found.append(has_edges)
+        return np.ones((height, 2 * height, 3), np.float32)
+
+    monkeypatch.setattr(world_picture, "evaluate_map", evaluate)
+    read()
+    return found == [True]
+
+
+@pytest.mark.parametrize(("scale", "refined"), [(1.0, False), (50.0, True)])
+def test_smooth_noise_is_not_looked_at_closely(tree, monkeypatch, scale, refined):
+    """A texel of 64 rows is 0.05 radians; the last octave changes over 1 / (scale x 2 x 2)."""
+    assert noise_is_refined(tree, monkeypatch, Scale=scale) == refined
