@@ -9,7 +9,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     panorama, embree_filter, albedo_tables,          2  rays, sparse Haar series, points
     haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes
-    lens, embree, lobes, pyramid, haar_product,            3  Embree; light; products
+    lens, embree, lobes, pyramid, haar_product,      3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
@@ -17,7 +17,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
     light_rays, paper_tables, light_cells, lamp_light, pass_rays
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
-    paper_products, light_tree
+    paper_products, light_tree, backdrop
     surface, opacity, unbiased, paper, develop       7  shaders at points; the two modes
     scene_rays, block_loop, reference                8  UNBIASED's loop; estimators to compare with
     two_stage, tile_job, render_cache                9  another one; a tile's work; what is kept

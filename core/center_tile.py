@@ -101,7 +101,7 @@ class CenterTile:
         seen, sums = merge_layers(self._layers, self._sums)
         layers = develop_points(
             self._job.scene,
-            self._job.light.lookup,
+            self._job.seen_world,
             PlacedPoints(seen.points, seen.lobes, self._places),
             self._missed,
             sums,

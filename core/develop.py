@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .backdrop import Backdrop
 from .camera import view_depth
-from .environment import EnvironmentLookup, eval_environment_many
 from .film import new_layers
 from .incremental import PixelSums
 from .lobes import Lobes
@@ -108,7 +108,7 @@ def _write_points(place, normal, lobes, sums, exposure, max_samples, layers):
 
 def develop_points(
     scene: Scene,
-    lookup: EnvironmentLookup,
+    world: Backdrop,
     seen: PlacedPoints,
     missed: MissedRays,
     sums: PixelSums,
@@ -117,12 +117,12 @@ def develop_points(
 ) -> dict[str, np.ndarray]:
     """The layers of a tile whose pixels have one shading point each.
 
-    size: (width, height)
+    world: what is behind all; size: (width, height)
     """
     layers = new_layers(*size)
     flat = PointLayers(*(_flat(layers, name) for name in PointLayers._fields))
     flat.depth[:] = NO_DEPTH
-    _write_background(scene, lookup, missed, flat)
+    _write_background(scene, world, missed, flat)
     points, place = seen.points, seen.place
     inside = place >= 0
     if not inside.all():
@@ -133,7 +133,7 @@ def develop_points(
     return layers
 
 
-def _write_background(scene, lookup, missed, flat) -> None:
+def _write_background(scene, world, missed, flat) -> None:
     looks = missed.directions.any(axis=1)
     inside = (missed.place >= 0) & looks
     place = missed.place[inside]
@@ -141,9 +141,7 @@ def _write_background(scene, lookup, missed, flat) -> None:
     if not len(place):
         return
     if scene.environment.visible_to_camera:
-        radiance = np.empty((len(place), 3), np.float32)
-        eval_environment_many(lookup, missed.directions[inside], radiance)
-        radiance *= np.float32(scene.exposure)
+        radiance = world.radiance(missed.directions[inside]) * np.float32(scene.exposure)
         flat.environment[place] = radiance
         if not scene.transparent_film:
             flat.combined[place, :3] = radiance

@@ -14,7 +14,6 @@ import numpy as np
 
 from .camera import camera_rays, pixel_grid
 from .develop import filtered_layers
-from .environment import eval_environment_many
 from .film import Tile
 from .guide import new_guides
 from .incremental import PixelSums, new_sums
@@ -231,8 +230,7 @@ class FilteredTile:
             pixels, directions = pixels[looks], directions[looks]
         if not len(pixels) or not scene.environment.visible_to_camera:
             return
-        radiance = np.empty((len(pixels), 3), np.float32)
-        eval_environment_many(self._job.light.lookup, directions, radiance)
+        radiance = self._job.seen_world.radiance(directions)
         add_background(pixels, radiance, not scene.transparent_film, self._sums)
 
     def _sample(self, layers: list[ClosureLayer], count: int) -> list[PixelSums]:

@@ -68,6 +68,18 @@ class Program:
     transparent: Value | None = None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WorldProgram:
+    """A world's radiance by direction.
+
+    value: a colour of the program, which has no closures; strength: float32 (3,), its factor
+    """
+
+    program: Program
+    value: Value
+    strength: np.ndarray
+
+
 class ImageTiles(NamedTuple):
     """An image, or the tiles of one.
 

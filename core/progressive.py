@@ -113,7 +113,8 @@ def render_progressive(
     few = dataclasses.replace(
         settings, stop_rule="FIXED", pixel_filter="CENTER", max_samples=_COARSE_SAMPLES
     )
-    coarse_job = Job(scene, few, accel, light, None, _points(few), stop)
+    seen = cache.backdrop(scene)
+    coarse_job = Job(scene, few, accel, light, None, _points(few), stop, seen)
     while step > 1 and not stop.is_set():
         camera = coarse_camera(scene.camera, step)
         job = dataclasses.replace(coarse_job, scene=_seen_by(scene, camera), stop=stop)
@@ -122,7 +123,7 @@ def render_progressive(
             show(last)
         step, stop = step // 2, restart
     if not stop.is_set():
-        job = Job(scene, settings, accel, light, None, _points(settings), stop)
+        job = Job(scene, settings, accel, light, None, _points(settings), stop, seen)
         _Rounds(job, last, show).run()
 
 

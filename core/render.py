@@ -61,7 +61,8 @@ def render(
     if stats.cancelled:
         return stats
     sequence = common_points(settings.max_samples, settings.point_set)
-    job = Job(scene, settings, accel, light, tables, sequence, stop)
+    seen = cache.backdrop(scene)
+    job = Job(scene, settings, accel, light, tables, sequence, stop, seen)
     if settings.stop_rule == "BUDGET":
         _render_budget(job, threads, sink, stats)
     else:

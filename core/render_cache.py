@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .accel import Accel
+from .backdrop import Backdrop
 from .environment import make_lookup
 from .light_cache import light_key, load_light, save_light
 from .light_rays import Light, make_light
@@ -29,6 +30,7 @@ class RenderCache:
         self._environment: EnvironmentMap | None = None
         self._light: Light | None = None
         self._unit: LightPyramid | None = None  # of the light, at strength 1
+        self._backdrop: tuple[object, Backdrop] | None = None
         self.light_warnings: list[str] = []
         self._builder = TableBuilder()
 
@@ -81,6 +83,15 @@ class RenderCache:
             self._light = make_light(lookup._replace(strength=environment.strength), pyramid)
         self._environment = environment
         return self._light
+
+    def backdrop(self, scene: Scene) -> Backdrop | None:
+        """What the scene's camera sees in place of its light, if there is anything."""
+        world, kept = scene.backdrop, self._backdrop
+        if world is None:
+            self._backdrop = None
+        elif kept is None or kept[0] is not world:
+            self._backdrop = world, Backdrop(world)
+        return None if world is None else self._backdrop[1]
 
     def _read_or_build(self, lookup, cache_dir, progress) -> LightPyramid:
         if cache_dir is None:

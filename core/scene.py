@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .lamps import NO_LAMPS, Lamps
-from .program import Shaders
+from .program import Shaders, WorldProgram
 
 EQUIRECTANGULAR, MIRROR_BALL = "EQUIRECTANGULAR", "MIRROR_BALL"
 LINEAR, CLOSEST, LINEAR_SRGB = "LINEAR", "CLOSEST", "LINEAR_SRGB"
@@ -241,6 +241,7 @@ class Scene:
     object_flags: uint8 (n_objects,), CAMERA_RAYS | SHADOW_RAYS: which rays see an object; HOLDOUT |
         SHADOW_CATCHER: what the camera sees of it; None = plain objects that all rays see
     shaders: materials that vary over the surface; None: materials says all
+    backdrop: what camera rays that hit nothing see in place of environment; None = the same
     transparent_film: alpha 0 where the camera sees the world
     exposure: factor of the film
     measured: the BRDFs that materials of model MEASURED name by their row
@@ -256,6 +257,7 @@ class Scene:
     terminator_offset: np.ndarray | None = None
     object_flags: np.ndarray | None = None
     shaders: Shaders | None = None
+    backdrop: EnvironmentMap | WorldProgram | None = None
     transparent_film: bool = False
     exposure: float = 1.0
     measured: MeasuredBrdfs = NO_MEASURED

@@ -13,6 +13,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from .accel import Accel
+from .backdrop import Backdrop
 from .block_loop import Places, Room, continue_blocks, new_room
 from .camera import CameraRays
 from .cutouts import points_through
@@ -42,7 +43,11 @@ _kept = threading.local()
 
 @dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Job:
-    """All that the workers share. sequence: uint32 (max_samples, 2), of sequence.common_points"""
+    """All that the workers share.
+
+    sequence: uint32 (max_samples, 2), of sequence.common_points
+    backdrop: of Scene.backdrop; None where there is none
+    """
 
     scene: Scene
     settings: RenderSettings
@@ -51,6 +56,12 @@ class Job:
     tables: PaperTables | None
     sequence: np.ndarray
     stop: StopFlag
+    backdrop: Backdrop | None = None
+
+    @property
+    def seen_world(self) -> Backdrop:
+        """What camera rays see that hit nothing."""
+        return Backdrop(self.light.lookup) if self.backdrop is None else self.backdrop
 
 
 class Rect(NamedTuple):

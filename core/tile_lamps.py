@@ -100,15 +100,9 @@ class TileLamps:
         self._light[:] = mean / count[:, None]
         self._add(layers, self._hard, places, 0, self._light)
 
-<<<<<<< HEAD
     def _settled(self, layers, places, first, end) -> np.ndarray:
         """float64 (n, COLUMNS + 1): sums of samples first ... end - 1, last squared luminance."""
         sums = np.zeros((len(places[0]), COLUMNS + 1))
-=======
-    def _settled(self, points, lobes, places, first, end) -> np.ndarray:
-        """float64 (n, COLUMNS + 1): sums of samples first ... end - 1; last, of their squares."""
-        sums = np.zeros((len(points.pixel), COLUMNS + 1))
->>>>>>> h-l
         for k in range(first, end):
             light = np.zeros((len(sums), COLUMNS))
             self._add(layers, self._soft, places, k, light)

@@ -57,18 +57,31 @@ def environment_node(world):
     """The Environment Texture node with an image that a world uses first; None without one."""
     if world is None or world.node_tree is None:
         return None
-    return _environment_in(world.node_tree, set())
+    return _first_in(world.node_tree, _is_environment, set())
 
 
-def _environment_in(tree, seen):
-    if tree in seen:
+def _is_environment(node) -> bool:
+    return node.bl_idname == "ShaderNodeTexEnvironment" and node.image is not None
+
+
+def _may_vary(node) -> bool:
+    """Whether a node can make a world more than one colour."""
+    if node.bl_idname in ("ShaderNodeTexEnvironment", "ShaderNodeTexImage"):
+        return node.image is not None
+    if node.bl_idname == "ShaderNodeTexSky":  # one colour, until it is baked
+        return False
+    return node.bl_idname.startswith("ShaderNodeTex") or node.bl_idname == "ShaderNodeNewGeometry"
+
+
+def _first_in(tree, is_wanted, seen):
+    """The first wanted node of a tree and the groups in it, or None."""
+    if tree is None or tree in seen:
         return None
     seen.add(tree)
     for node in tree.nodes:
-        if node.bl_idname == "ShaderNodeTexEnvironment" and node.image is not None:
+        if is_wanted(node):
             return node
-        inner = getattr(node, "node_tree", None)
-        found = None if inner is None else _environment_in(inner, seen)
+        found = _first_in(getattr(node, "node_tree", None), is_wanted, seen)
         if found is not None:
             return found
     return None
@@ -83,9 +96,9 @@ def advice_before_render(scene) -> list[str]:
         return lines
     if scene.world is None:
         lines.append("The scene has no world: add one in the world's properties")
-    elif environment_node(scene.world) is None:
+    elif _first_in(scene.world.node_tree, _may_vary, set()) is None:
         lines.append(
-            f'World "{scene.world.name}" has no HDRI: give its Color an Environment Texture, or '
+            f'World "{scene.world.name}" is one colour: give its Color an Environment Texture, or '
             f"use Convert World to HDRI"
         )
     return lines

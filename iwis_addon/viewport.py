@@ -19,7 +19,7 @@ from ..core.scene import Camera, Scene
 from ..core.settings import RenderSettings
 from . import view_picture, view_thread
 from .export import ExportCache, LiveExport, export_scene, film_exposure
-from .export.live import same
+from .export.same import same
 from .preferences import share_cache_dir
 from .settings import viewport_settings
 from .view_camera import view_camera

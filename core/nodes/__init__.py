@@ -5,6 +5,8 @@ context      what a node may ask of the points
 coordinates, images, arithmetic, color, normals, noise, voronoi, patterns
              the nodes, one file a family
 evaluate     a program's operations in their order
+world        what a node may ask of a direction that meets nothing
+world_map    a world's program over all directions
 """
 
 from .context import ShadeContext

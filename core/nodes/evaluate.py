@@ -5,7 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from ..program import Program, Ref, Value
-from . import arithmetic, color, coordinates, images, layers, noise, normals, patterns, voronoi
+from . import (
+    arithmetic,
+    color,
+    coordinates,
+    images,
+    layers,
+    noise,
+    normals,
+    patterns,
+    voronoi,
+    world,
+)
 from .context import ShadeContext
 from .values import as_number, as_vector, column, convert
 
@@ -20,6 +31,7 @@ for family in (
     noise,
     voronoi,
     patterns,
+    world,
 ):
     FUNCTIONS |= family.FUNCTIONS
 
@@ -59,11 +71,14 @@ FUNCTIONS |= {
 
 
 class Evaluation:
-    """The values of one program at the points of one context."""
+    """The values of one program at the points of one context.
 
-    def __init__(self, program: Program, context: ShadeContext):
+    known: outputs of operations that need not be run, by row
+    """
+
+    def __init__(self, program: Program, context: ShadeContext, known=None):
         self._ops, self._context = program.ops, context
-        self._done: dict[int, dict] = {}
+        self._done: dict[int, dict] = dict(known or {})
 
     def number(self, value: Value) -> np.ndarray:
         """float32 (n,)"""

@@ -24,7 +24,8 @@ from .material import MaterialExport, export_shaders
 from .measured import add_measured, without_measured
 from .mesh import ExportCache, MeshExport, export_mesh
 from .surface_data import surface_data
-from .world import NO_LIGHT, NO_WORLD, export_world
+from .world import NO_LIGHT, NO_WORLD, read_world, world_of
+from .world_picture import LEAST_IN_WINDOW
 
 __all__ = [
     "ExportCache",
@@ -48,13 +49,14 @@ def export_scene(
 ) -> Scene:
     """All that one picture of the graph's scene and view layer needs.
 
-    region: as for export_camera; cache: as for export_mesh and export_world
+    region: as for export_camera; cache: as for export_mesh and read_world
     camera: a core.scene.Camera in place of the scene's; live: what of a window need not be read
     warnings: gets one line for all that is rendered otherwise than Cycles would
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
     camera = camera or export_camera(depsgraph, warnings, region=region)
     keep = (live or LiveExport()).keep
+    least_height = None if live is None else LEAST_IN_WINDOW
     geometry = export_mesh(depsgraph, warnings, cache, cancelled)
     texels = None if cache is None else cache.texels
     materials, measured = keep(
@@ -63,11 +65,11 @@ def export_scene(
         warnings,
         lambda lines: _export_materials(geometry, texels, lines),
     )
-    environment = keep(
+    world = keep(
         "world",
-        [depsgraph.scene_eval.world],
+        [world_of(depsgraph)],
         warnings,
-        lambda lines: export_world(depsgraph, lines, texels),
+        lambda lines: read_world(depsgraph, lines, texels, cancelled, least_height),
     )
     lamps = make_lamps(geometry.inventory.lamps)
     if len(lamps.kind):
@@ -79,7 +81,8 @@ def export_scene(
         mesh=geometry.mesh,
         materials=materials.params,
         shaders=_shaders(geometry, materials, warnings),
-        environment=environment,
+        environment=world.light,
+        backdrop=world.backdrop,
         camera=camera,
         material_pass_index=materials.pass_index,
         object_pass_index=geometry.object_pass_index,

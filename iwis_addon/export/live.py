@@ -6,10 +6,7 @@ Scene as long as nothing differs that a picture shows.
 
 from __future__ import annotations
 
-import dataclasses
-
 import bpy
-import numpy as np
 
 from .local_mesh import LiveMeshes, session_uid
 
@@ -66,21 +63,3 @@ def _may_change_shading(update) -> bool:
     # A world may be turned by an empty, or follow the camera.
     moved = isinstance(update.id, bpy.types.Object) and update.is_updated_transform
     return moved and update.id.type != "MESH"
-
-
-def same(a, b) -> bool:
-    """Whether two exports are equal, however deep their arrays lie; identity is seen at once."""
-    if a is b:
-        return True
-    if type(a) is not type(b):
-        return False
-    if isinstance(a, np.ndarray):
-        return a.shape == b.shape and a.dtype == b.dtype and np.array_equal(a, b)
-    if isinstance(a, (list, tuple)):
-        return len(a) == len(b) and all(map(same, a, b))
-    if isinstance(a, dict):
-        return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
-    if dataclasses.is_dataclass(a):
-        names = (field.name for field in dataclasses.fields(a))
-        return all(same(getattr(a, name), getattr(b, name)) for name in names)
-    return bool(a == b)

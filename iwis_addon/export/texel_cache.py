@@ -11,23 +11,25 @@ import hashlib
 import os
 
 import bpy
-import numpy as np
 
 from .image import Texels, read_texels, working_space
+from .same import same
 
 
 class TexelCache:
-    """Images by what they depend on, and the radiance that became of them."""
+    """Images by what they depend on, and what was made of them."""
 
     def __init__(self):
         self._last: dict[tuple, Texels] = {}
         self._now: dict[tuple, Texels] = {}
         self._loaded_from: dict[int, tuple] = {}  # session_uid -> file as it was then
-        self._source = self._mended = None
+        self._made_last: dict[object, tuple] = {}  # slot -> source and what was made of it
+        self._made_now: dict[object, tuple] = {}
 
     def start_frame(self) -> None:
-        """From here on an image is kept for the next frame only if this one asks for it."""
+        """From here on only what this frame asks for is kept for the next."""
         self._last, self._now = self._now, {}
+        self._made_last, self._made_now = self._made_now, {}
 
     def read(self, image, image_user) -> Texels:
         """As read_texels; the very same arrays while the image has not changed."""
@@ -38,14 +40,19 @@ class TexelCache:
         self._now[key] = texels
         return texels
 
-    def mended(self, radiance, mend) -> tuple[np.ndarray, list[str]]:
-        """mend(radiance), an array and what it did; the last frame's array if it is equal."""
-        if self._source is not radiance:
-            result, notes = mend(radiance)
-            if self._mended is not None and np.array_equal(result, self._mended[0]):
-                result = self._mended[0]
-            self._source, self._mended = radiance, (result, notes)
-        return self._mended
+    def kept(self, slot, source, make):
+        """make(), or the last frame's result for this slot while its source is equal.
+
+        A result that is equal to the last one is the last one.
+        """
+        before = self._made_now.get(slot) or self._made_last.get(slot)
+        if before is None or not same(before[0], source):
+            result = make()
+            if before is not None and same(result, before[1]):
+                result = before[1]
+            before = source, result
+        self._made_now[slot] = before
+        return before[1]
 
     def tiles(self, image, image_user, make):
         """make(image, image_user), or what it gave while the image was the same."""

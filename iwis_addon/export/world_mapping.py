@@ -28,15 +28,20 @@ _GEOMETRY = {
 _AXES = {"NONE": None, "X": 0, "Y": 1, "Z": 2}
 
 
+class NotAMatrix(Exception):
+    """The vector is no linear function of the direction."""
+
+
 def lookup_matrix(texture, groups, color, camera, warn) -> np.ndarray:
     """float64 (3, 4): what the vector at the texture node's input is, as a matrix of (d, 1).
 
     groups: the group nodes the texture node lies in; camera: the scene's camera object or None
-    color(socket, groups): constant colour or vector behind a socket, float (3,)
+    color(socket, groups): constant colour or vector behind a socket, float (3,), or NotAMatrix
     warn(node, text): takes what is not supported
+    Raises NotAMatrix.
     """
     matrix = _matrix(texture.inputs["Vector"], groups, _SAME, (color, camera, warn))
-    return _compose(_legacy_mapping(texture.texture_mapping, texture, warn), matrix)
+    return _compose(own_matrix(texture, warn), matrix)
 
 
 def mapping_matrix(kind, location, rotation, scale) -> np.ndarray:
@@ -71,22 +76,13 @@ def _matrix(socket, groups, unlinked, context):
         sockets = (node.inputs.get(name) for name in ("Location", "Rotation", "Scale"))
         values = [_ZERO if s is None else color(s, end.groups) for s in sockets]
         if values[0].any() and _is_after_normal(node, end.groups):
-            warn(node, "a location after a mapping of type Normal is not exact")
+            raise NotAMatrix
         return _compose(mapping_matrix(node.vector_type, *values), vector)
     if node.bl_idname == "ShaderNodeTexCoord":
         return _texture_coordinate(node, output.name, camera, warn)
     if node.bl_idname == "ShaderNodeNewGeometry" and output.name in _GEOMETRY:
         return _GEOMETRY[output.name]
-    if node.bl_idname in ("ShaderNodeCombineXYZ", "ShaderNodeRGB", "ShaderNodeValue"):
-        return _constant(color(socket, groups))
-    return _fallback(end, context)
-
-
-def _fallback(end, context):
-    """The vector that goes into a node that is not supported, else the direction itself."""
-    vectors = [s for s in end.node.inputs if s.type == "VECTOR" and s.is_linked]
-    context[2](end.node, f"{end.node.bl_label} is not supported for directions: it is skipped")
-    return _matrix(vectors[0], end.groups, _SAME, context) if vectors else _SAME
+    return _constant(color(socket, groups))
 
 
 def _texture_coordinate(node, output, camera, warn):
@@ -98,12 +94,15 @@ def _texture_coordinate(node, output, camera, warn):
             return _SAME
         return np.array(node.object.matrix_world.inverted_safe())[:3]
     if output == "Camera" and camera is not None:
-        turn = np.array(camera.matrix_world.to_3x3().normalized()).T
-        return np.column_stack([np.diag([1.0, 1.0, -1.0]) @ turn, np.zeros(3)])
+        return np.column_stack([camera_turn(camera), np.zeros(3)])
     if output not in _TEXTURE_COORDINATE:
-        warn(node, f"{output} is not supported for directions: Generated is used")
-        return _SAME
+        raise NotAMatrix
     return _TEXTURE_COORDINATE[output]
+
+
+def camera_turn(camera) -> np.ndarray:
+    """float64 (3, 3): world vectors to a camera object's right, up and ahead."""
+    return np.diag([1.0, 1.0, -1.0]) @ np.array(camera.matrix_world.to_3x3().normalized()).T
 
 
 def _is_after_normal(node, groups):
@@ -113,8 +112,9 @@ def _is_after_normal(node, groups):
     return end.node.vector_type == "NORMAL" or _is_after_normal(end.node, end.groups)
 
 
-def _legacy_mapping(mapping, node, warn):
-    """Matrix of a texture node's own mapping, of files from before 2.8 and of scripts."""
+def own_matrix(node, warn) -> np.ndarray:
+    """float64 (3, 4) of a texture node's own mapping, of files from before 2.8 and of scripts."""
+    mapping = node.texture_mapping
     axes = np.zeros((3, 3))
     for row, axis in enumerate((mapping.mapping_x, mapping.mapping_y, mapping.mapping_z)):
         if axis != "NONE":

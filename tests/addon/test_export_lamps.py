@@ -140,11 +140,7 @@ def test_nodes_of_a_lamp_multiply_its_strength(scene):
 
 
 def test_what_a_lamp_cannot_do_is_told(scene):
-<<<<<<< HEAD
-    """A texture in its nodes, light linking, a lamp in view, negative light: by their names."""
-=======
     """Textured, linked, in view of the camera, negative: by object and light."""
->>>>>>> h-l
     obj = add_light("POINT", energy=-5.0)
     row, warnings = exported()
     assert row is None and any('"Lamp", light "Lamp data": negative' in line for line in warnings)

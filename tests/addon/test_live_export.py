@@ -6,7 +6,7 @@ import pytest
 
 from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene
 from iwis.iwis_addon.export import local_mesh as local_mesh_module
-from iwis.iwis_addon.export.live import same
+from iwis.iwis_addon.export.same import same
 from support.above import add_monkey
 
 
@@ -154,6 +154,26 @@ def test_a_click_exports_the_very_same_parts(window):
     before, after = window.export(click)[0], window.export(click)[0]
     assert after.mesh is before.mesh and after.environment is before.environment
     assert same(before, after)
+
+
+def test_an_edited_tree_of_the_world_is_seen(window):
+    """A smaller map than a final render's; a click makes no new one, a node's value does."""
+    tree = bpy.context.scene.world.node_tree
+
+    def add_noise():
+        noise = tree.nodes.new("ShaderNodeTexNoise")
+        tree.links.new(noise.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+
+    before = window.export(add_noise)[0]
+    assert before.environment.radiance.shape == (512, 1024, 3)
+    assert window.export(click)[0].environment is before.environment
+
+    def edit():
+        tree.nodes["Noise Texture"].inputs["Scale"].default_value = 9.0
+
+    after = window.export(edit)[0]
+    assert not same(after.environment, before.environment)
+    assert not same(after.backdrop, before.backdrop)
 
 
 def test_same_tells_differences():

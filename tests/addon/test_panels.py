@@ -231,9 +231,13 @@ def test_warned_objects_are_selected_by_whole_names(cube_scene):
 
 
 def test_advice_before_a_render(cube_scene):
-    """No camera, no world, a world without an HDRI: each has a line; an HDRI has none."""
+    """No camera, no world, a world of one colour or a sky: each has a line; an HDRI has none."""
     world, camera = cube_scene.world, cube_scene.camera
+    world.node_tree.nodes.new("ShaderNodeTexSky")
     assert ["HDRI" in line for line in advice_before_render(cube_scene)] == [True]
+    gradient = world.node_tree.nodes.new("ShaderNodeTexGradient")
+    assert advice_before_render(cube_scene) == []
+    world.node_tree.nodes.remove(gradient)
     texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
     texture.image = bpy.data.images.new("Sky", 8, 4, float_buffer=True)
     assert environment_node(world) == texture

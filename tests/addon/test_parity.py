@@ -1,5 +1,5 @@
-"""A part of the parity suite (`make parity` runs all of it): one in ten of those without noise, a
-few lamps, depth of field."""
+"""A part of the parity suite (`make parity` runs all of it): one in ten of those without noise, and
+of the others a few lamps, worlds, mixtures and depth of field."""
 
 import bpy
 import pytest
@@ -13,6 +13,8 @@ _NOISY = (
     "Camera depth of field of glowing checks",
     "Mix, three closures",
     "Transparent from behind",
+    "World, ramp by height",
+    "World, two backgrounds by camera ray",
 )
 _CHOSEN = [case for case in ALL_CASES if not case.noisy][::10]
 _CHOSEN += [case for case in ALL_CASES if case.name in _NOISY]

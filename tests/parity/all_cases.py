@@ -9,6 +9,7 @@ from . import (
     texture_cases,
     value_cases,
     view_cases,
+    world_cases,
 )
 from .cases import CASES
 
@@ -21,5 +22,6 @@ _FAMILIES = (
     closure_cases,
     lamp_cases,
     view_cases,
+    world_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

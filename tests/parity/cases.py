@@ -1,9 +1,11 @@
-"""What a case is. The cases: value_cases, coordinate_cases, image_cases, texture_cases."""
+"""What a case is. The cases are in the files that all_cases names."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+
+from .scene import Tree
 
 
 @dataclass(frozen=True)
@@ -53,3 +55,15 @@ def lit(name, make, **options):
 def lit_by(name, build, world=False, **options):
     """A case under lamps, in the dark or under a world too: build(scene, tree) makes both."""
     CASES.append(Case(name, build, lit=world, by_lamps=True, **options))
+
+
+def world(name, make, **options):
+    """A case that lights a plain scene by the world make(tree), a shader or a colour."""
+
+    def build(scene, tree):
+        tree.surface(tree.made("ShaderNodeBsdfDiffuse", 0, {"Color": (0.8, 0.7, 0.6)}))
+        sky = Tree(scene.world.node_tree, "ShaderNodeOutputWorld")
+        sky.surface(make(sky))
+
+    # Two renders of IWIS with other seeds share some of their error: less of it is wanted here.
+    CASES.append(Case(name, build, lit=True, samples=(512, 512), **options))

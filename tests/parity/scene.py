@@ -11,12 +11,12 @@ WIDTH, HEIGHT = 48, 32
 
 
 class Tree:
-    """Builds the material of a case, node by node."""
+    """Builds the material or the world of a case, node by node."""
 
-    def __init__(self, tree):
+    def __init__(self, tree, output="ShaderNodeOutputMaterial"):
         self.tree = tree
         tree.nodes.clear()
-        self.output = self.node("ShaderNodeOutputMaterial")
+        self.output = self.node(output)
 
     def node(self, kind, **properties):
         """A new node; properties by name."""

@@ -1,0 +1,327 @@
+"""Trees of worlds: what a camera sees of them in Cycles, their maps, what is kept, what is told."""
+
+import bpy
+import numpy as np
+import pytest
+
+from iwis.core.backdrop import Backdrop
+from iwis.core.program import WorldProgram
+from iwis.core.scene import EQUIRECTANGULAR, EnvironmentMap
+from iwis.iwis_addon.export import ExportCache, ExportCancelled, world_picture
+from iwis.iwis_addon.export.world import read_world
+from support.world_render import (
+    add,
+    cycles_background,
+    link,
+    looked_up,
+    mapped_world,
+    new_image,
+    new_world,
+    pixel_directions,
+    some_texels,
+    textured_world,
+)
+
+
+@pytest.fixture
+def tree(scene):
+    return new_world(scene)
+
+
+@pytest.fixture
+def texels(rng):
+    return some_texels(rng)
+
+
+@pytest.fixture(autouse=True)
+def small_maps(monkeypatch):
+    """Few rows: what is tested is where they come from."""
+    monkeypatch.setattr(world_picture, "LEAST_HEIGHT", 64)
+
+
+def read(cache=None, **options):
+    warnings = []
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return read_world(depsgraph, warnings, cache, **options), warnings
+
+
+def show(tree, output, factor=1.0):
+    """Make |output| the world's colour, as light cannot be negative."""
+    absolute, background = add(tree, "VectorMath", operation="ABSOLUTE"), add(tree, "Background")
+    background.inputs["Strength"].default_value = factor
+    tree.links.new(output, absolute.inputs[0])
+    link(tree, absolute, background, add(tree, "OutputWorld"))
+    return background
+
+
+def by_camera_ray(tree, first, second):
+    """Mix two shaders by Is Camera Ray."""
+    mix, path = add(tree, "MixShader"), add(tree, "LightPath")
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+    for node, socket in ((first, 1), (second, 2)):
+        tree.links.new(node.outputs[0], mix.inputs[socket])
+    link(tree, mix, tree.nodes.get("World Output") or add(tree, "OutputWorld"))
+    return mix
+
+
+def noisy_world(tree, **values):
+    """Noise at generated coordinates. Returns the texture and the background."""
+    noise, background = add(tree, "TexNoise", **values), add(tree, "Background")
+    link(tree, noise, background, add(tree, "OutputWorld"))
+    return noise, background
+
+
+SEEN = {
+    "TexCoord": ("Generated", "Normal", "Object", "Camera", "Window", "Reflection"),
+    "NewGeometry": ("Position", "Normal", "True Normal", "Incoming", "Parametric", "Backfacing"),
+    "LightPath": ("Is Camera Ray", "Ray Depth", "Is Diffuse Ray", "Is Shadow Ray"),
+    "CameraData": ("View Vector", "View Z Depth", "View Distance"),
+    "ObjectInfo": ("Location", "Color", "Random"),
+    "Attribute": ("Color", "Fac", "Alpha"),
+    "AmbientOcclusion": ("Color", "AO"),
+    "Fresnel": (0,),
+    "LayerWeight": (0, 1),
+    "Bump": (0,),
+    "TexGradient": (0,),
+    "TexNoise": (0, 1),
+    "TexMagic": (0,),
+}
+
+
+@pytest.mark.parametrize(
+    ("kind", "output"), [(kind, name) for kind, names in SEEN.items() for name in names]
+)
+def test_a_camera_sees_what_cycles_shows(scene, tree, tmp_path, kind, output):
+    """All that a world can ask of a direction, in eight views, 0.2 %: float32 and Cycles' ray."""
+    scene.camera.location = 0.3, -0.2, 0.1
+    show(tree, add(tree, kind).outputs[output])
+    world, warnings = read()
+    told = [line for line in warnings if "it gives no light" not in line]
+    assert bool(told) == (kind == "Bump" or output in ("Ray Depth", "Is Diffuse Ray"))
+    depends = kind == "CameraData" or output in ("Camera", "Window")
+    if depends:  # on where the camera looks: the last view, which is still there
+        cycles = cycles_background(scene, tmp_path)
+        world, _ = read()
+    else:
+        cycles = cycles_background(scene, tmp_path)
+    seen = Backdrop(world.backdrop or world.light).radiance(pixel_directions())
+    if depends:
+        n = len(seen) // 8
+        seen, cycles = seen[-n:], cycles[-n:]
+    difference = np.abs(seen - cycles).max(axis=1) / max(cycles.max(), 1e-3)
+    assert np.quantile(difference, 0.999) < 2e-3 and difference.mean() < 5e-4
+
+
+@pytest.mark.parametrize("kind", ["POINT", "VECTOR", "NORMAL"])
+@pytest.mark.parametrize("ways", [("WORLD", "CAMERA"), ("CAMERA", "WORLD"), ("OBJECT", "WORLD")])
+def test_vector_transform_as_in_cycles(scene, tree, tmp_path, kind, ways):
+    scene.camera.location = 0.3, -0.2, 0.1
+    node = add(tree, "VectorTransform", vector_type=kind)
+    node.convert_from, node.convert_to = ways
+    tree.links.new(add(tree, "TexCoord").outputs["Generated"], node.inputs[0])
+    show(tree, node.outputs[0])
+    cycles = cycles_background(scene, tmp_path)
+    world, warnings = read()
+    assert not warnings
+    seen = Backdrop(world.backdrop or world.light).radiance(pixel_directions())
+    n = len(seen) // 8
+    np.testing.assert_allclose(seen[-n:], cycles[-n:], atol=2e-3 * cycles.max())
+
+
+def test_the_light_is_a_map_of_what_the_camera_sees(tree):
+    """A smooth tree: the map, between its texels, and each ray agree to a part of a texel."""
+    noisy_world(tree, Scale=1.0, Detail=0.0)
+    world, warnings = read()
+    assert not warnings and isinstance(world.backdrop, WorldProgram)
+    assert world.light.radiance.shape == (64, 128, 3)
+    seen = Backdrop(world.backdrop).radiance(pixel_directions())
+    level = np.abs(pixel_directions()[:, 2]) < np.cos(np.radians(5.0))  # a pole: see environment
+    np.testing.assert_allclose(looked_up(world.light)[level], seen[level], atol=0.02)
+
+
+def test_images_in_one_place_keep_their_texels(tree, texels):
+    """Two images, both turned alike, mixed by a number: no map of directions is made."""
+    other = 2.0 * texels[::-1].copy()
+    mapping = mapped_world(tree, new_image(texels), "POINT", Rotation=(0.3, 0.2, 0.1))
+    second = add(tree, "TexEnvironment", image=new_image(other))
+    link(tree, mapping, second)
+    mix = add(tree, "MixRGB", Fac=0.25)
+    tree.links.new(tree.nodes["Environment Texture"].outputs[0], mix.inputs["Color1"])
+    tree.links.new(second.outputs[0], mix.inputs["Color2"])
+    link(tree, mix, tree.nodes["Background"])
+    world, warnings = read()
+    assert not warnings and world.backdrop is None
+    np.testing.assert_allclose(world.light.radiance, 0.75 * texels + 0.25 * other, rtol=1e-6)
+    assert not np.allclose(world.light.world_to_map, np.eye(3, 4))
+
+
+def test_camera_rays_see_another_picture_than_the_light(tree, texels):
+    """The light keeps the image's texels; a colour is what the camera sees; nothing is told."""
+    _, background = textured_world(tree, new_image(texels))
+    plain = add(tree, "Background", Color=(0.1, 0.2, 0.3, 1.0), Strength=2.0)
+    by_camera_ray(tree, background, plain)
+    world, warnings = read()
+    assert not warnings
+    np.testing.assert_array_equal(world.light.radiance, texels)
+    np.testing.assert_allclose(looked_up(world.backdrop)[0], (0.2, 0.4, 0.6), rtol=1e-6)
+
+
+def test_a_light_path_that_changes_nothing_makes_no_backdrop(tree, texels):
+    _, background = textured_world(tree, new_image(texels))
+    by_camera_ray(tree, background, background)
+    mix = add(tree, "MixShader", Fac=0.0)
+    tree.links.new(background.outputs[0], mix.inputs[1])
+    tree.links.new(tree.nodes["Mix Shader"].outputs[0], mix.inputs[2])
+    link(tree, mix, tree.nodes["World Output"])
+    unused, _ = read()
+    assert unused.backdrop is None and unused.light.radiance is not None
+    np.testing.assert_array_equal(unused.light.radiance, texels)
+
+
+def test_a_hidden_world_has_no_backdrop(scene, tree):
+    noisy_world(tree)
+    scene.world.cycles_visibility.camera = False
+    world, _ = read()
+    assert world.backdrop is None and not world.light.visible_to_camera
+
+
+@pytest.mark.parametrize(("output", "light"), [("Is Diffuse Ray", 1.0), ("Is Glossy Ray", 0.0)])
+def test_light_is_that_on_diffuse_surfaces(tree, output, light):
+    show(tree, add(tree, "LightPath").outputs[output], 0.7)
+    world, warnings = read()
+    assert looked_up(world.light).max() == pytest.approx(0.7 * light)
+    assert any(output in line and '"Light Path"' in line for line in warnings)
+
+
+def test_nothing_is_evaluated_again_while_the_tree_is_the_same(scene, tree):
+    """Whatever its strength; a changed node gives another map, and the backdrop with it."""
+    noise, background = noisy_world(tree)
+    cache = ExportCache().texels
+    first, _ = read(cache)
+    scene.frame_set(2)
+    background.inputs["Strength"].default_value = 2.0
+    second, _ = read(cache)
+    assert second.light.radiance is first.light.radiance
+    assert second.light.strength[0] == 2.0 == second.backdrop.strength[0]
+    third, _ = read(cache)
+    assert third.backdrop is second.backdrop
+    noise.inputs["Scale"].default_value = 7.0
+    fourth, _ = read(cache)
+    assert (fourth.light.radiance != first.light.radiance).any()
+    assert fourth.backdrop is not third.backdrop
+
+
+def test_painted_images_of_a_tree_are_looked_at(tree, texels):
+    texture, background = textured_world(tree, new_image(texels))
+    factor = add(tree, "TexGradient")
+    tree.links.new(
+        factor.outputs["Factor" if "Factor" in factor.outputs else 0], background.inputs["Strength"]
+    )
+    cache = ExportCache().texels
+    first, _ = read(cache)
+    assert read(cache)[0].light.radiance is first.light.radiance
+    texture.image.pixels.foreach_set(np.full(8 * 16 * 4, 0.3, np.float32))
+    assert (read(cache)[0].light.radiance != first.light.radiance).any()
+
+
+def test_view_layers_may_have_a_world_of_their_own(scene, tree, texels):
+    textured_world(tree, new_image(texels))
+    other = bpy.data.worlds.new("Other")
+    if bpy.app.version < (5, 0):
+        other.use_nodes = True
+    other.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.5, 0.7, 1.0)
+    bpy.context.view_layer.world_override = other
+    world, warnings = read()
+    assert not warnings
+    np.testing.assert_allclose(looked_up(world.light)[0], (0.3, 0.5, 0.7), rtol=1e-6)
+    bpy.context.view_layer.world_override = None
+    np.testing.assert_array_equal(read()[0].light.radiance, texels)
+
+
+def test_large_images_are_averaged_with_a_warning(tree, texels, monkeypatch):
+    monkeypatch.setattr(world_picture, "LEAST_HEIGHT", 2)
+    monkeypatch.setattr(world_picture, "MOST_HEIGHT", 4)
+    _, background = textured_world(tree, new_image(texels))
+    tree.links.new(add(tree, "TexGradient").outputs[0], background.inputs["Strength"])
+    world, warnings = read()
+    assert world.light.radiance.shape == (4, 8, 3)
+    assert len(warnings) == 1 and "8 x 4" in warnings[0] and '"World"' in warnings[0]
+
+
+def test_values_that_are_no_light_are_mended(tree):
+    """1 - 3 z: negative above; the warning counts the texels."""
+    z, math, background = add(tree, "SeparateXYZ"), add(tree, "Math"), add(tree, "Background")
+    math.operation = "MULTIPLY_ADD"
+    math.inputs[1].default_value, math.inputs[2].default_value = -3.0, 1.0
+    tree.links.new(add(tree, "TexCoord").outputs["Generated"], z.inputs[0])
+    tree.links.new(z.outputs["Z"], math.inputs[0])
+    link(tree, math, background, add(tree, "OutputWorld"))
+    world, warnings = read()
+    assert world.light.radiance.min() == 0.0 and world.light.radiance.max() > 3.9
+    assert len(warnings) == 1 and "are negative: 0 instead" in warnings[0]
+    up = np.float32([[0.0, 0.0, 1.0]])
+    assert Backdrop(world.backdrop).radiance(up).max() == 0.0
+
+
+def test_an_image_texture_without_a_vector_is_one_colour(tree, texels):
+    background = add(tree, "Background")
+    link(tree, add(tree, "TexImage", image=new_image(texels)), background, add(tree, "OutputWorld"))
+    world, warnings = read()
+    assert np.ptp(world.light.radiance, axis=(0, 1)).max() < 1e-6
+    assert len(warnings) == 1 and "as in Cycles" in warnings[0]
+
+
+def test_the_same_texture_twice_is_one(tree, texels):
+    """Node and copy show one image alike: its texels stay, nodes over them are applied."""
+    _, background = textured_world(tree, new_image(texels))
+    copy = add(tree, "TexEnvironment", image=tree.nodes["Environment Texture"].image)
+    both = add(tree, "AddShader")
+    second = add(tree, "Background")
+    link(tree, copy, second)
+    link(tree, background, both, tree.nodes["World Output"])
+    tree.links.new(second.outputs[0], both.inputs[1])
+    world, _ = read()
+    np.testing.assert_allclose(world.light.radiance, 2.0 * texels, rtol=1e-6)
+    assert world.light.projection == EQUIRECTANGULAR
+
+
+def test_evaluation_can_be_stopped(tree):
+    noisy_world(tree)
+    with pytest.raises(ExportCancelled):
+        read(cancelled=lambda: True)
+
+
+def test_lookups_by_what_is_no_matrix(scene, tree, texels, tmp_path):
+    """An Environment Texture whose vector is bent by a node is evaluated ray by ray."""
+    texture, _ = textured_world(tree, new_image(texels))
+    bend = add(tree, "VectorMath", operation="SINE")
+    tree.links.new(add(tree, "TexCoord").outputs["Generated"], bend.inputs[0])
+    link(tree, bend, texture)
+    world, warnings = read()
+    assert not warnings and isinstance(world.light, EnvironmentMap)
+    seen = Backdrop(world.backdrop).radiance(pixel_directions())
+    cycles = cycles_background(scene, tmp_path)
+    difference = np.abs(seen - cycles).max(axis=1)
+    assert np.quantile(difference, 0.99) < 2e-3
+
+
+def noise_is_refined(tree, monkeypatch, **values):
+    """Whether a world of noise is looked at more closely."""
+    noise, _ = noisy_world(tree, **{"Detail": 1.0, **values})
+    mapping = add(tree, "Mapping", Scale=(1.0, 2.0, 1.0))
+    link(tree, add(tree, "TexCoord"), mapping, noise)
+    found = []
+
+    def evaluate(program, value, height, *, has_edges, **rest):
+        found.append(has_edges)
+        return np.ones((height, 2 * height, 3), np.float32)
+
+    monkeypatch.setattr(world_picture, "evaluate_map", evaluate)
+    read()
+    return found == [True]
+
+
+@pytest.mark.parametrize(("scale", "refined"), [(1.0, False), (50.0, True)])
+def test_smooth_noise_is_not_looked_at_closely(tree, monkeypatch, scale, refined):
+    """A texel of 64 rows is 0.05 radians; the last octave changes over 1 / (scale x 2 x 2)."""
+    assert noise_is_refined(tree, monkeypatch, Scale=scale) == refined

@@ -1,0 +1,195 @@
+"""Worlds whose trees are more than one image."""
+
+import bpy
+import numpy as np
+
+from .cases import world
+
+_WHITE = (1.0, 1.0, 1.0)
+
+
+def _sky(turn=0.0, name="S"):
+    """A packed float map without poles of its own: smooth, with a bright side."""
+    rows, columns = np.mgrid[0:32, 0:64] / np.array([32.0, 64.0])[:, None, None]
+    level = np.sin(np.pi * rows)
+    pixels = np.ones((32, 64, 4), np.float32)
+    pixels[..., 0] = 0.4 + 0.3 * level * np.cos(2 * np.pi * columns + turn)
+    pixels[..., 1] = 0.4 + 0.3 * rows
+    pixels[..., 2] = 0.3 + 0.6 * rows + 0.2 * level * np.sin(4 * np.pi * columns + turn)
+    image = bpy.data.images.new(name, 64, 32, float_buffer=True)
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    return image
+
+
+def _image(tree, turn=0.0, vector=None):
+    inputs = {} if vector is None else {0: vector}
+    return tree.made("ShaderNodeTexEnvironment", 0, inputs, image=_sky(turn, f"S{turn}"))
+
+
+def _background(tree, color, strength=1.0):
+    return tree.made("ShaderNodeBackground", 0, {"Color": color, "Strength": strength})
+
+
+def _mixed(tree, factor, a, b, **properties):
+    node = tree.node("ShaderNodeMix", data_type="RGBA", **properties)
+    values = {"Factor_Float": factor, "A_Color": a, "B_Color": b}
+    for key, value in values.items():
+        tree.link(value, next(s for s in node.inputs if s.identifier == key))
+    return next(s for s in node.outputs if s.identifier == "Result_Color")
+
+
+def _mapped(tree, **values):
+    node = tree.node("ShaderNodeMapping")
+    tree.link(tree.coordinates("Generated"), node.inputs["Vector"])
+    for name, value in values.items():
+        node.inputs[name].default_value = value
+    return node.outputs[0]
+
+
+def _texture(tree, kind, output=0, vector=None, **inputs):
+    properties = {name: inputs.pop(name) for name in list(inputs) if name[0].islower()}
+    place = tree.coordinates("Generated") if vector is None else vector
+    return tree.made(f"ShaderNodeTex{kind}", output, {"Vector": place, **inputs}, **properties)
+
+
+def _noise(tree, **inputs):
+    return _texture(tree, "Noise", **{"Scale": 2.0, **inputs})
+
+
+def _ramp(tree, factor, interpolation="LINEAR"):
+    node = tree.node("ShaderNodeValToRGB")
+    ramp = node.color_ramp
+    ramp.interpolation = interpolation
+    ramp.elements[0].color = (0.2, 0.1, 0.05, 1.0)
+    ramp.elements.new(0.5).color = (0.9, 0.6, 0.3, 1.0)
+    ramp.elements[-1].color = (0.2, 0.4, 0.9, 1.0)
+    tree.link(factor, node.inputs[0])
+    return node.outputs[0]
+
+
+def _height(tree):
+    """0 below to 1 above, along z."""
+    z = tree.made("ShaderNodeSeparateXYZ", "Z", {0: tree.coordinates("Generated")})
+    return tree.made("ShaderNodeMapRange", 0, {"Value": z, "From Min": -1.0, "From Max": 1.0})
+
+
+def _two_shaders(tree, kind, *inputs):
+    node = tree.node(f"ShaderNode{kind}Shader")
+    for value, socket in zip(inputs, node.inputs, strict=True):
+        tree.link(value, socket)
+    return node.outputs[0]
+
+
+def _by_camera_ray(tree):
+    seen = tree.made("ShaderNodeLightPath", "Is Camera Ray")
+    first = _background(tree, _image(tree), 1.2)
+    return _two_shaders(tree, "Mix", seen, first, _background(tree, (0.1, 0.5, 0.2)))
+
+
+def _on_film(tree):
+    bpy.context.scene.render.film_transparent = True
+    return _by_camera_ray(tree)
+
+
+def _colors_by_camera_ray(tree):
+    seen = tree.made("ShaderNodeLightPath", "Is Camera Ray")
+    picture = _ramp(tree, tree.made("ShaderNodeSeparateXYZ", "Y", {0: tree.coordinates("Window")}))
+    return _background(tree, _mixed(tree, seen, _image(tree), picture))
+
+
+def _strength(tree):
+    factor = tree.made("ShaderNodeMath", 0, {0: _noise(tree), 1: 3.0}, operation="MULTIPLY")
+    return _background(tree, _image(tree), factor)
+
+
+def _absolute(tree, value):
+    return tree.made("ShaderNodeVectorMath", 0, {0: value}, operation="ABSOLUTE")
+
+
+def _hue(tree):
+    mixed = _mixed(tree, 0.4, _image(tree), _image(tree, 2.0, _mapped(tree, Rotation=(0, 0, 1.0))))
+    inputs = {"Hue": 0.6, "Saturation": 1.4, "Value": 0.9, "Fac": 1.0, "Color": mixed}
+    return _background(tree, tree.made("ShaderNodeHueSaturation", 0, inputs))
+
+
+def _override(tree):
+    other = bpy.data.worlds.new("Other")
+    if bpy.app.version < (5, 0):
+        other.use_nodes = True
+    other.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.5, 0.7, 1.0)
+    bpy.context.view_layer.world_override = other
+    return _background(tree, _image(tree))
+
+
+def _flat_image(tree):
+    place = tree.made("ShaderNodeMapping", 0, {"Vector": tree.coordinates("Generated")})
+    node = tree.node("ShaderNodeTexImage", image=_sky(1.0), extension="MIRROR")
+    tree.link(place, node.inputs[0])
+    return _background(tree, node.outputs[0])
+
+
+def _curved(tree):
+    node = tree.node("ShaderNodeRGBCurve")
+    node.mapping.curves[3].points.new(0.4, 0.6)
+    node.mapping.update()
+    tree.link(_image(tree), node.inputs["Color"])
+    return _background(tree, node.outputs[0])
+
+
+world("World, image through curves", _curved)
+world("World, two images by noise", lambda t: _mixed(t, _noise(t), _image(t), _image(t, 2.0)))
+world("World, hue over two images", _hue)
+world(
+    "World, gradient by generated",
+    lambda t: _background(t, _ramp(t, _texture(t, "Gradient", gradient_type="LINEAR"))),
+)
+world("World, ramp by height", lambda t: _background(t, _ramp(t, _height(t))))
+world("World, stepped ramp", lambda t: _background(t, _ramp(t, _height(t), "CONSTANT")))
+world(
+    "World, spherical gradient, moved",
+    lambda t: _background(
+        t,
+        _texture(
+            t,
+            "Gradient",
+            vector=_mapped(t, Location=(0.3, -0.4, 0.5)),
+            gradient_type="SPHERICAL",
+        ),
+        2.0,
+    ),
+)
+world("World, noise, turned", lambda t: _noise(t, output=1, vector=_mapped(t, Rotation=(1, 2, 3))))
+world("World, checker", lambda t: _texture(t, "Checker", Scale=3.0))
+world("World, Voronoi", lambda t: _texture(t, "Voronoi", "Color", Scale=3.0))
+world("World, waves", lambda t: _texture(t, "Wave", Scale=1.0, Distortion=2.0))
+world("World, magic", lambda t: _texture(t, "Magic", Scale=1.5))
+world("World, bricks", lambda t: _texture(t, "Brick", Scale=2.0))
+world("World, strength by a texture", _strength)
+world(
+    "World, two backgrounds by a texture",
+    lambda t: _two_shaders(
+        t, "Mix", _height(t), _background(t, _image(t), 2.0), _background(t, (0.3, 0.5, 0.9))
+    ),
+)
+world(
+    "World, two backgrounds added",
+    lambda t: _two_shaders(
+        t, "Add", _background(t, _image(t)), _background(t, _ramp(t, _height(t)), 0.5)
+    ),
+)
+world("World, two backgrounds by camera ray", _by_camera_ray)
+world("World, two backgrounds by camera ray, transparent film", _on_film, with_alpha=True)
+world("World, colours by camera ray, Window", _colors_by_camera_ray)
+world("World, Normal output", lambda t: _absolute(t, t.coordinates("Normal")))
+world(
+    "World, Incoming",
+    lambda t: _absolute(t, t.made("ShaderNodeNewGeometry", "Incoming")),
+)
+world("World, Camera output", lambda t: _absolute(t, t.coordinates("Camera")))
+world("World, Image Texture by generated", _flat_image)
+world(
+    "World, Math",
+    lambda t: t.made("ShaderNodeMath", 0, {0: _height(t), 1: 0.5}, operation="POWER"),
+)
+world("World, override of the view layer", _override)
