@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from iwis.iwis_addon.export.camera import export_camera
-from iwis.iwis_addon.export.live import same
+from iwis.iwis_addon.export.same import same
 from iwis.iwis_addon.settings import viewport_settings
 from iwis.iwis_addon.view_camera import view_camera
 
