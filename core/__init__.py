@@ -2,7 +2,8 @@
 
 In the order of the data; a module imports only from groups with a smaller number:
 
-    _jit, settings, program, lamps                   0  how kernels are compiled; all defaults
+    _parts                                          -1  how kernels are put together
+    _jit, settings, program, lamps                   0  how kernels are kept; all defaults
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes,
     pace, lamp_areas

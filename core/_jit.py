@@ -15,6 +15,13 @@ from pathlib import Path
 
 import numba
 
+try:
+    from ._parts import KNOWN_NUMBA, new_kernel
+
+    _KNOWN_NUMBA = numba.version_info.short in KNOWN_NUMBA
+except (ImportError, AttributeError):  # a numba with other insides: it compiles as it does itself
+    _KNOWN_NUMBA = False
+
 log = logging.getLogger(__name__)
 
 # Relaxed arithmetic that keeps NaN and infinity honest: "nnan" and "ninf" are left out, for
@@ -86,17 +93,13 @@ def kernel(function=None, *, allocates=False, ordered=False, **options):
     """
     if function is None:
         return lambda wrapped: kernel(wrapped, allocates=allocates, ordered=ordered, **options)
-    return _kept(
-        numba.njit(
-            cache=True,
-            nogil=True,
-            error_model="numpy",
-            fastmath=set(FAST_MATH - {"reassoc"} if ordered else FAST_MATH),
-            _nrt=allocates,
-            **options,
-        ),
-        function,
-    )
+    options |= {"nogil": True, "error_model": "numpy", "_nrt": allocates}
+    options["fastmath"] = set(FAST_MATH - {"reassoc"} if ordered else FAST_MATH)
+    if "inline" in options:  # as text: it has no code of its own
+        return numba.njit(**options)(function)
+    if not _KNOWN_NUMBA:
+        return _kept(numba.njit(cache=True, **options), function)
+    return _kept(lambda wrapped: new_kernel(wrapped, options), function)
 
 
 def c_callback(signature):

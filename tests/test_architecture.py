@@ -68,7 +68,7 @@ def documented_groups(docstring: str) -> dict[str, int]:
     """
     groups, waiting, number = {}, [], None
     for line in docstring.splitlines():
-        row = re.match(r"    (\w+(?:, \w+)*,?)(?: {2,}(\d+) {2,}\S.*)?$", line)
+        row = re.match(r"    (\w+(?:, \w+)*,?)(?: {2,}(-?\d+) {2,}\S.*)?$", line)
         if not row:
             continue
         number = int(row[2]) if row[2] else number
