@@ -20,10 +20,12 @@ In the order of the data; a module imports only from groups with a smaller numbe
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree, backdrop
     surface, opacity, unbiased, paper, develop       7  shaders at points; the two modes
-    scene_rays, block_loop, reference                8  UNBIASED's loop; estimators to compare with
+    scene_rays, block_loop, reference, catchers      8  UNBIASED's loop; estimators to compare with
     two_stage, tile_job, render_cache                9  another one; a tile's work; what is kept
-    merged_layers, tile_lamps, budget, warm_up      10  closures together; BUDGET
-    center_tile, filtered_tile                      11  one shading point a pixel, several
-    render                                          12  the entry point
-    progressive, pixel_view                         13  pictures for a window; one pixel's samples
+    merged_layers, tile_lamps, budget, warm_up,     10  closures together; BUDGET
+    silhouettes
+    pass_samples                                    11  a pass of a tile
+    center_tile, filtered_tile                      12  one shading point a pixel, several
+    render                                          13  the entry point
+    progressive, pixel_view                         14  pictures for a window; one pixel's samples
 """

@@ -8,6 +8,7 @@ import functools
 import numpy as np
 
 from .camera import pixel_grid, rays_through
+from .catchers import show_caught
 from .develop import MissedRays, PlacedPoints, develop_points
 from .film import Tile
 from .guide import Guides, new_guides
@@ -108,6 +109,7 @@ class CenterTile:
             self.rect[2:],
             self._job.settings.max_samples,
         )
+        show_caught(self._job.scene, self._job.seen_world, seen.points, self._places, sums, layers)
         every, exposure = slice(None), float(self._job.scene.exposure)
         self._lamps.add_to_layers(layers, every, self._places, exposure)
         return Tile(*self.rect, layers)

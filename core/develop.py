@@ -122,6 +122,7 @@ def develop_points(
     layers = new_layers(*size)
     flat = PointLayers(*(_flat(layers, name) for name in PointLayers._fields))
     flat.depth[:] = NO_DEPTH
+    layers["shadow_catcher"][:] = 1.0
     _write_background(scene, world, missed, flat)
     points, place = seen.points, seen.place
     inside = place >= 0
@@ -158,6 +159,7 @@ def filtered_layers(
     """
     layers = new_layers(*size)
     layers["depth"][:] = NO_DEPTH
+    layers["shadow_catcher"][:] = 1.0
     _write_geometry(layers, scene, points, points.pixel)
     passes = np.maximum(sums.passes, 1)[:, None]
     visibility = np.empty(len(passes))

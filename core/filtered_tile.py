@@ -15,47 +15,34 @@ import numpy as np
 from .camera import camera_rays, pixel_grid
 from .develop import filtered_layers
 from .film import Tile
-from .guide import new_guides
-from .incremental import PixelSums, new_sums
-from .merged_layers import merge_layers
 from .neighbours import cell_order
 from .pass_rays import (
     PILOT,
-    blurred,
     pass_numbers,
     pass_rays,
     samples_of_a_pass,
-    world_blurred,
 )
+from .pass_samples import PassSampler
 from .pass_sums import (
     PassSums,
     add_background,
-    add_seen,
     cell_spreads,
     close_pass,
     fill_spreads,
     new_pass_sums,
 )
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
-from .shading import ShadingPoints
-from .stop_rule import FLOOR, paper_rule, plan_counts, threshold_of, typical_count
+from .silhouettes import Silhouettes
+from .stop_rule import FLOOR, plan_counts, threshold_of, typical_count
 from .tile_job import (
-    ClosureLayer,
     Job,
     Rect,
-    SeenPoints,
     TileCounts,
-    add_samples,
-    frame_places,
     trace_points,
     whole_cells,
-    with_all_lobes,
 )
-from .tile_lamps import TileLamps
 
 _SILHOUETTE = 1.2
-# In place of a row of the objects.
-_NOTHING, _WORLD, _NO_OBJECT = np.int32(-2), np.int32(-1), np.int32(0x7FFFFFFF)
 
 
 class FilteredTile:
@@ -72,17 +59,13 @@ class FilteredTile:
         self._around = Rect(whole.x - 1, whole.y - 1, whole.width + 2, whole.height + 2)
         self._n = n = self._around.width * self._around.height
         self._sums = new_pass_sums(n)
-        self._lamps = TileLamps(job.scene, job.settings, job.accel, n)
         self._pixels, self._cell = self._cells(whole)
         self._active = self._pixels
-        learns = job.settings.estimator == "UNBIASED"
         self._batch = samples_of_a_pass(job.settings, job.scene.camera)
         self._n_cells = int(self._cell.max()) + 1
-        self._guides = new_guides(self._n_cells if learns else 0)
-        # The least and the greatest object that a pixel's first passes saw.
-        self._least, self._greatest = np.full(n, _NO_OBJECT), np.full(n, _NOTHING)
-        self._blurred = np.zeros(n, np.bool_)
-        self._passes = self._traced = self._primary = 0
+        self._sampler = PassSampler(job, self._around, self._cell, self._sums)
+        self._silhouettes = Silhouettes(job.scene, self._around.width, self._around.height)
+        self._passes = self._primary = 0
 
     def advance(self, samples: int) -> bool:
         """See TileWork."""
@@ -103,7 +86,7 @@ class FilteredTile:
         """See TileWork: of all pixels of the tile's cells, cell by cell."""
         n, pixels, sums = self._batch, self._pixels, self._sums
         passes = np.maximum(sums.passes[pixels], 1)
-        near = self._near_silhouette()[pixels]
+        near = self._silhouettes.near()[pixels]
         edge = np.float32(n * _SILHOUETTE / threshold_of(1.0))
         rows, columns = np.divmod(pixels, self._around.width)
         counted = np.zeros(self._n, np.bool_)
@@ -138,7 +121,8 @@ class FilteredTile:
             scene, points, sums, (width, height), self._job.settings.max_samples
         )
         weight = float(scene.exposure) / np.maximum(sums.passes, 1)
-        self._lamps.add_to_layers(layers, inside, np.arange(len(inside)), weight)
+        self._sampler.show_caught(inside, layers)
+        self._sampler.lamps.add_to_layers(layers, inside, np.arange(len(inside)), weight)
         return Tile(x, y, width, height, layers)
 
     def rest(self) -> None:
@@ -152,7 +136,7 @@ class FilteredTile:
             int((hits > 0).sum()),
             int(count.sum()),
             int(count.max()),
-            self._traced + self._lamps.traced,
+            self._sampler.traced + self._sampler.lamps.traced,
             self._primary,
         )
 
@@ -172,17 +156,13 @@ class FilteredTile:
     def _take_pass(self, count: int) -> None:
         """One more shading point with ``count`` samples for each active pixel."""
         points, missed, directions = self._look()
-        layers = with_all_lobes(self._job.scene, points)
-        sums = self._sample(layers, count) if len(points.pixel) else None
+        found = self._sampler.gather(points, count, self._passes)
         if self._passes and self._job.stop.is_set():
             return  # a pass that was cut short would darken those before it
         self._add_world(missed, directions)
-        if sums is not None:
-            seen, sums = merge_layers(layers, sums)
-            places = frame_places(self._around, points.pixel)
-            self._lamps.add_pass(layers, places, self._passes, sums)
-            add_seen(points.pixel, points.normal, seen.lobes, sums, self._sums)
-        known = self._lamps.known(self._sums)
+        for add, *own in found:
+            add(*own)
+        known = self._sampler.lamps.known(self._sums)
         close_pass(self._active, self._job.scene.transparent_film, known)
         self._passes += 1
 
@@ -201,7 +181,7 @@ class FilteredTile:
         missed[points.pixel] = False
         points = points._replace(pixel=looked[points.pixel])
         if pilot:
-            self._note_objects(looked[missed], rays.directions[missed].any(axis=1), points)
+            self._silhouettes.note(looked[missed], rays.directions[missed].any(axis=1), points)
             inside = self._cell >= 0
             missed &= inside[looked]
             points = points.at(inside[points.pixel])
@@ -233,41 +213,6 @@ class FilteredTile:
         radiance = self._job.seen_world.radiance(directions)
         add_background(pixels, radiance, not scene.transparent_film, self._sums)
 
-    def _sample(self, layers: list[ClosureLayer], count: int) -> list[PixelSums]:
-        """count samples of each point, shared among its closures."""
-        if len(layers) == 1:
-            return [self._sample_rows(layers[0].seen, count)]
-        closures = np.bincount(np.concatenate([layer.of for layer in layers]))
-        found = []
-        for seen, of in layers:
-            found.append(new_sums(len(of)))
-            for k in np.unique(closures[of]):
-                rows = np.flatnonzero(closures[of] == k)
-                part = self._sample_rows(seen.at(rows), max(count // k, 1))
-                for whole, own in zip(found[-1], part, strict=True):
-                    whole[rows] = own
-        return found
-
-    def _sample_rows(self, seen: SeenPoints, count: int) -> PixelSums:
-        first = self._passes * self._batch
-        sums, rule = new_sums(len(seen.rows)), paper_rule(-1.0, count, first + count)
-        cells = np.arange(self._n_cells + 1)
-        bounds = np.searchsorted(self._cell[seen.points.pixel], cells).astype(np.int32)
-        self._traced += add_samples(
-            self._job, seen, self._around, sums, bounds, rule, self._guides, first
-        )
-        return sums
-
-    def _note_objects(self, missed, looks, points: ShadingPoints) -> None:
-        objects = self._job.scene.mesh.object_index[points.triangle]
-        world = np.where(looks, _WORLD, _NOTHING)
-        for pixels, seen in ((missed, world), (points.pixel, objects)):
-            self._least[pixels] = np.minimum(self._least[pixels], seen)
-            self._greatest[pixels] = np.maximum(self._greatest[pixels], seen)
-        camera = self._job.scene.camera
-        self._blurred[points.pixel] |= blurred(camera, points.position)
-        self._blurred[missed] |= world_blurred(camera)
-
     def _goes_on(self) -> np.ndarray:
         """bool, one for each active pixel: whether it takes another pass."""
         settings, active = self._job.settings, self._active
@@ -279,7 +224,7 @@ class FilteredTile:
         else:
             going = self._wants_more(typical_count(settings.error_threshold))
         if self._passes < _SILHOUETTE / settings.error_threshold:
-            going |= self._near_silhouette()[active]
+            going |= self._silhouettes.near()[active]
         return going
 
     def _wants_more(self, typical: float) -> np.ndarray:
@@ -290,8 +235,8 @@ class FilteredTile:
 
     def _spreads(self, pixels, typical: float) -> np.ndarray:
         """float32, r of pixels; of blurred ones that of their cell. typical: T"""
-        known = self._lamps.known(self._sums)
-        sums, blurred_ones = self._sums, self._pixels[self._blurred[self._pixels]]
+        known = self._sampler.lamps.known(self._sums)
+        sums, blurred_ones = self._sums, self._pixels[self._silhouettes.blurred[self._pixels]]
         n, transparent = self._batch, self._job.scene.transparent_film
 
         def own(some):
@@ -304,17 +249,9 @@ class FilteredTile:
             passes, light = sums.passes[blurred_ones], sums.light[blurred_ones]
             cell = self._cell[blurred_ones]
             shared = cell_spreads(cell, self._n_cells, passes, light, own(blurred_ones))
-            which = self._blurred[pixels]
+            which = self._silhouettes.blurred[pixels]
             spread[which] = shared[self._cell[pixels[which]]]
         return spread
-
-    def _near_silhouette(self) -> np.ndarray:
-        """bool: pixels that see, themselves or by a neighbour, more than one object; and blurred
-        ones, where a few rays say little of what there is."""
-        least, greatest = self._shaped(self._least), self._shaped(self._greatest)
-        near = np.zeros(least.shape, np.bool_)
-        near[1:-1, 1:-1] = _of_nine(least, np.minimum) != _of_nine(greatest, np.maximum)
-        return near.ravel() | self._blurred
 
     def _cells(self, whole: Rect) -> tuple[np.ndarray, np.ndarray]:
         """Pixels to sample, int32, by cells; the cell of each looked through, -1 around them."""
@@ -333,9 +270,3 @@ class FilteredTile:
 
     def _shaped(self, values) -> np.ndarray:
         return values.reshape(self._around.height, self._around.width)
-
-
-def _of_nine(values, reduce) -> np.ndarray:
-    """``reduce`` over the 3 x 3 values about each but those at the border."""
-    rows = reduce(reduce(values[:-2], values[1:-1]), values[2:])
-    return reduce(reduce(rows[:, :-2], rows[:, 1:-1]), rows[:, 2:])

@@ -1,4 +1,4 @@
-"""Rays of a scene in which not all see the same: cut-outs, and objects hidden from some rays.
+"""Rays of a scene in which not all see the same: cut-outs, shadow catchers, hidden objects.
 
 There is a hierarchy for each set of triangles that some kind of ray asks for: those that the camera
 sees; of those that throw a shadow, the ones that Embree answers for alone, and the others, whose
@@ -16,7 +16,7 @@ from .cutouts import MOST_LAYERS, behind, cut_materials, drawn_numbers, passing_
 from .embree import can_filter
 from .embree_filter import Opacity
 from .opacity import bake_opacity, can_bake
-from .scene import CAMERA_RAYS, SHADOW_RAYS, Scene, TriangleMesh
+from .scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS, Scene, TriangleMesh
 from .shading import shading_points
 
 
@@ -27,16 +27,20 @@ class RayMasks:
     camera: what the camera sees
     solid: what throws a shadow that Embree knows of, opaque or with a grid of ``opacity``
     cut: what throws a shadow and is looked at hit by hit
+    catcher: what catches shadows, and throws none on others of its kind
     """
 
     camera: np.ndarray
     solid: np.ndarray
     cut: np.ndarray
+    catcher: np.ndarray
     opacity: Opacity | None
 
     def same(self, other: RayMasks) -> bool:
         """Whether two are equal."""
-        pairs = ((getattr(self, f), getattr(other, f)) for f in ("camera", "solid", "cut"))
+        pairs = (
+            (getattr(self, f), getattr(other, f)) for f in ("camera", "solid", "cut", "catcher")
+        )
         if not all(np.array_equal(a, b) for a, b in pairs):
             return False
         return self.opacity is other.opacity or (
@@ -47,8 +51,8 @@ class RayMasks:
 def ray_masks(scene: Scene) -> RayMasks | None:
     """Who sees which triangles; None: all rays see all of them, and nothing lets rays through."""
     materials, objects = cut_materials(scene), scene.object_flags
-    all_rays = CAMERA_RAYS | SHADOW_RAYS
-    if materials is None and (objects is None or (objects & all_rays == all_rays).all()):
+    plain = CAMERA_RAYS | SHADOW_RAYS
+    if materials is None and (objects is None or (objects & ~np.uint8(HOLDOUT) == plain).all()):
         return None
     mesh = scene.mesh
     every = np.ones(len(mesh.triangles), np.bool_)
@@ -56,15 +60,17 @@ def ray_masks(scene: Scene) -> RayMasks | None:
     camera, shadow = (
         every if flags is None else (flags & kind) != 0 for kind in (CAMERA_RAYS, SHADOW_RAYS)
     )
+    catcher = ~every if flags is None else (flags & SHADOW_CATCHER) != 0
     if materials is None:
-        return RayMasks(camera, shadow, ~every, None)
+        return RayMasks(camera, shadow, ~every, catcher, None)
     programs = scene.shaders.programs
     able = can_filter()
     baked = [able and cut and can_bake(p) for cut, p in zip(materials, programs, strict=True)]
     cut = materials[mesh.material_index]
     with_grid = shadow & np.array(baked)[mesh.material_index]
     opacity = bake_opacity(scene, with_grid) if with_grid.any() else None
-    return RayMasks(camera, shadow & (~cut | with_grid), shadow & cut & ~with_grid, opacity)
+    solid, hit_by_hit = shadow & (~cut | with_grid), shadow & cut & ~with_grid
+    return RayMasks(camera, solid, hit_by_hit, catcher, opacity)
 
 
 class PartAccel:
@@ -101,16 +107,26 @@ class RayParts:
         same = np.array_equal(masks.camera, masks.solid)
         self.camera = self.solid if same else PartAccel(mesh, masks.camera, cancelled)
         self.cut = PartAccel(mesh, masks.cut, cancelled) if masks.cut.any() else None
+        self.others = self.solid
+        if masks.catcher.any():
+            self.others = PartAccel(mesh, masks.solid & ~masks.catcher, cancelled, masks.opacity)
 
 
 class SceneRays:
     """What a render asks of an Accel, for one scene and its materials."""
 
-    def __init__(self, scene: Scene, parts: RayParts):
+    def __init__(self, scene: Scene, parts: RayParts, catchers: bool = True):
+        """catchers: whether they throw shadows"""
         self._scene, self._parts = scene, parts
+        self._solid = parts.solid if catchers else parts.others
         self.mesh, self.offset = scene.mesh, parts.camera.accel.offset
-        self.traversal = parts.solid.accel.traversal
+        self.traversal = self._solid.accel.traversal
         self.by_rays = parts.cut is not None
+
+    @property
+    def without_catchers(self) -> SceneRays:
+        """For the shadows that fall on catchers."""
+        return SceneRays(self._scene, self._parts, catchers=False)
 
     def intersect(self, origins: np.ndarray, directions: np.ndarray):
         """The nearest hits that the camera sees; see Accel."""
@@ -120,7 +136,7 @@ class SceneRays:
         self, origins: np.ndarray, directions: np.ndarray, out=None, reach=None
     ) -> np.ndarray:
         """Whether a ray ends at anything that throws a shadow; see Accel."""
-        out = self._parts.solid.accel.occluded(origins, directions, out, reach)
+        out = self._solid.accel.occluded(origins, directions, out, reach)
         if self._parts.cut is None:
             return out
         rays = np.flatnonzero(~out)

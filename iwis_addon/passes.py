@@ -56,6 +56,7 @@ OWN_FLAGS = (
     "use_pass_error",
     "use_pass_unoccluded",
     "use_pass_visibility",
+    "use_pass_shadow_catcher",
     "use_pass_sample_count",
 )
 
@@ -82,6 +83,7 @@ TABLE = (
     _row("error", "IWIS Error", "X", "VALUE", "use_pass_error", "IWIS"),
     _row("unoccluded", "IWIS Unoccluded", "RGB", "COLOR", "use_pass_unoccluded", "IWIS"),
     _row("visibility", "IWIS Visibility", "X", "VALUE", "use_pass_visibility", "IWIS"),
+    _row("shadow_catcher", "Shadow Catcher", "RGB", "COLOR", "use_pass_shadow_catcher", "IWIS"),
     _row("sample_count", "Debug Sample Count", "X", "VALUE", "use_pass_sample_count", "IWIS"),
 )
 # fmt: on

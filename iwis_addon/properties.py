@@ -184,6 +184,12 @@ class IWISViewLayerProperties(bpy.types.PropertyGroup):
         default=False,
         update=_update_passes,
     )
+    use_pass_shadow_catcher: BoolProperty(
+        name="Shadow Catcher",
+        description="Part of the light on shadow catchers that other objects let through",
+        default=False,
+        update=_update_passes,
+    )
     use_pass_sample_count: BoolProperty(
         name="Sample Count",
         description="Samples of each pixel divided by Max Samples, as Cycles writes it",

@@ -1,0 +1,98 @@
+"""Shadow catchers and holdouts: surfaces of which the picture shows their shadow, or a hole.
+
+A catcher shows the world behind it, times s: of the light that it reflects, the part that arrives
+where the other objects stand (Cycles' Shadow Catcher pass). In a transparent film it is black with
+the opacity 1 - s. What it is made of says only how light from different sides counts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .backdrop import Backdrop
+from .incremental import PixelSums
+from .pass_sums import PassSums, add_background, add_seen, new_pass_sums
+from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
+from .scene import HOLDOUT, SHADOW_CATCHER, Scene
+from .shading import ShadingPoints
+
+_LUMINANCE = np.array([LUMINANCE_R, LUMINANCE_G, LUMINANCE_B])
+
+
+def has_role(scene: Scene, role: int) -> bool:
+    """Whether any object is a HOLDOUT, or a SHADOW_CATCHER."""
+    return scene.object_flags is not None and bool((scene.object_flags & role).any())
+
+
+def plays(scene: Scene, points: ShadingPoints, role: int) -> np.ndarray:
+    """bool (n,): the points on objects of a role."""
+    if not has_role(scene, role):
+        return np.zeros(len(points.pixel), np.bool_)
+    return (scene.object_flags[scene.mesh.object_index[points.triangle]] & role) != 0
+
+
+def arriving(seen: np.ndarray, whole: np.ndarray) -> np.ndarray:
+    """s: float64, 0 to 1, of light with and without the other objects, (n, 3); 1 of none."""
+    share = np.divide(seen, whole, out=np.ones(seen.shape), where=whole > 0.0)
+    return np.minimum(share, 1.0)
+
+
+class CaughtPasses:
+    """What the passes of n pixels saw of catchers."""
+
+    def __init__(self, n: int):
+        self._sums = new_pass_sums(n)
+
+    def add(self, scene: Scene, world: Backdrop, seen, sums: PixelSums, state: PassSums) -> None:
+        """Add a pass. seen, sums: of points on catchers; state: learns how noisy the pixels are."""
+        points = seen.points
+        behind = world.radiance(-points.wo) * np.float32(scene.environment.visible_to_camera)
+        add_seen(points.pixel, points.normal, seen.lobes, sums, self._sums)
+        add_background(points.pixel, behind, False, self._sums)
+        if scene.transparent_film:
+            behind = np.ones_like(behind)
+        share = arriving(sums.diffuse + sums.glossy, sums.unoccluded)
+        light = (share * behind) @ _LUMINANCE
+        state.light[points.pixel] += light
+        state.light_squared[points.pixel] += light**2
+        state.count[points.pixel] += sums.count
+        state.visible[points.pixel] += sums.visible
+
+    def show(self, scene: Scene, rows: np.ndarray, passes: np.ndarray, layers: dict) -> None:
+        """Add to developed layers. rows: of the pixels that the layers show; passes: theirs."""
+        hits, sums = self._sums.hits[rows, None], self._sums
+        share = arriving((sums.diffuse + sums.glossy)[rows], sums.unoccluded[rows])
+        passes = np.maximum(passes, 1)[:, None]
+        behind = sums.environment[rows] / passes * scene.exposure
+        _write(scene, layers, slice(None), share, behind * share, hits / passes)
+
+
+def show_caught(
+    scene: Scene, world: Backdrop, points: ShadingPoints, place, sums: PixelSums, layers: dict
+) -> None:
+    """Overwrite what a picture of one point a pixel shows of catchers and holdouts.
+
+    place: int (n,), pixels of the layers, -1 = outside; sums: of the points
+    """
+    caught = np.flatnonzero(plays(scene, points, SHADOW_CATCHER) & (place >= 0))
+    hidden = plays(scene, points, HOLDOUT) & (place >= 0)
+    for rows in (caught, np.flatnonzero(hidden)):
+        for name in ("combined", "diffuse_direct", "glossy_direct", "emission"):
+            flat = layers[name].reshape(-1, layers[name].shape[2])
+            flat[place[rows]] = 0.0
+            if name == "combined" and not scene.transparent_film:
+                flat[place[rows], 3] = 1.0
+    share = arriving((sums.diffuse + sums.glossy)[caught], sums.unoccluded[caught])
+    behind = world.radiance(-points.wo[caught]) * np.float32(scene.environment.visible_to_camera)
+    behind = behind * scene.exposure * share
+    _write(scene, layers, place[caught], share, behind, np.ones((len(caught), 1)))
+
+
+def _write(scene, layers, where, share, light, part) -> None:
+    """Add light, or opacity, of a part of pixels, and write the Shadow Catcher layer there."""
+    combined = layers["combined"].reshape(-1, 4)
+    if scene.transparent_film:
+        combined[where, 3] += part[:, 0] * (1.0 - share.mean(axis=1))
+    else:
+        combined[where, :3] += light
+    layers["shadow_catcher"].reshape(-1, 3)[where] = 1.0 + part * (share - 1.0)

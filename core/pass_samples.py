@@ -1,0 +1,103 @@
+"""The samples of a pass: what a tile's shading points bring, and where it is kept."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from .catchers import CaughtPasses, has_role, plays
+from .guide import new_guides
+from .incremental import PixelSums, new_sums
+from .merged_layers import merge_layers
+from .pass_rays import samples_of_a_pass
+from .pass_sums import PassSums, add_seen
+from .scene import HOLDOUT, SHADOW_CATCHER
+from .shading import ShadingPoints
+from .stop_rule import paper_rule
+from .tile_job import (
+    ClosureLayer,
+    Job,
+    Rect,
+    SeenPoints,
+    add_samples,
+    frame_places,
+    with_all_lobes,
+)
+from .tile_lamps import TileLamps
+
+
+class PassSampler:
+    """Samples the points of a tile's passes.
+
+    lamps: what they bring to the pixels; traced: shadow rays so far, without the lamps'
+    """
+
+    def __init__(self, job: Job, around: Rect, cell: np.ndarray, state: PassSums):
+        """around: the pixels, row by row; cell: int32, of each, -1 = none; state: is added to"""
+        self._job, self._around, self._cell, self._state = job, around, cell, state
+        self._n_cells, n = int(cell.max()) + 1, len(cell)
+        self._guides = new_guides(self._n_cells if job.settings.estimator == "UNBIASED" else 0)
+        self._caught = CaughtPasses(n) if has_role(job.scene, SHADOW_CATCHER) else None
+        self.lamps = TileLamps(job.scene, job.settings, job.accel, n)
+        self.traced = 0
+
+    def gather(self, points: ShadingPoints, count: int, number: int) -> list[tuple]:
+        """Sample what pass ``number`` sees, ``count`` samples a point.
+
+        Returns (function, arguments) for each kind of surface: to be called, adds it to the sums.
+        """
+        caught = plays(self._job.scene, points, SHADOW_CATCHER)
+        plain = ~(caught | plays(self._job.scene, points, HOLDOUT))
+        found = []
+        if plain.any():
+            layers = self._layers_of(points, plain)
+            sums = self._sample(self._job, layers, count, number)
+            found.append((self._add_seen, layers, sums, number))
+        if caught.any():
+            layers = self._layers_of(points, caught)
+            job = dataclasses.replace(self._job, accel=self._job.accel.without_catchers)
+            found.append((self._add_caught, layers, self._sample(job, layers, count, number)))
+        return found
+
+    def show_caught(self, rows: np.ndarray, layers: dict[str, np.ndarray]) -> None:
+        """Add catchers to developed layers, which show the pixels ``rows``."""
+        if self._caught is not None:
+            self._caught.show(self._job.scene, rows, self._state.passes[rows], layers)
+
+    def _layers_of(self, points, which) -> list[ClosureLayer]:
+        return with_all_lobes(self._job.scene, points if which.all() else points.at(which))
+
+    def _add_seen(self, layers, sums, number) -> None:
+        points = layers[0].seen.points
+        seen, sums = merge_layers(layers, sums)
+        places = frame_places(self._around, points.pixel)
+        self.lamps.add_pass(layers, places, number, sums)
+        add_seen(points.pixel, points.normal, seen.lobes, sums, self._state)
+
+    def _add_caught(self, layers, sums) -> None:
+        seen, sums = merge_layers(layers, sums)
+        self._caught.add(self._job.scene, self._job.seen_world, seen, sums, self._state)
+
+    def _sample(self, job: Job, layers, count: int, number: int) -> list[PixelSums]:
+        """count samples of each point, shared among its closures."""
+        if len(layers) == 1:
+            return [self._sample_rows(job, layers[0].seen, count, number)]
+        closures = np.bincount(np.concatenate([layer.of for layer in layers]))
+        found = []
+        for seen, of in layers:
+            found.append(new_sums(len(of)))
+            for k in np.unique(closures[of]):
+                rows = np.flatnonzero(closures[of] == k)
+                part = self._sample_rows(job, seen.at(rows), max(count // k, 1), number)
+                for whole, own in zip(found[-1], part, strict=True):
+                    whole[rows] = own
+        return found
+
+    def _sample_rows(self, job: Job, seen: SeenPoints, count: int, number: int) -> PixelSums:
+        first = number * samples_of_a_pass(job.settings, job.scene.camera)
+        sums, rule = new_sums(len(seen.rows)), paper_rule(-1.0, count, first + count)
+        cells = np.arange(self._n_cells + 1)
+        bounds = np.searchsorted(self._cell[seen.points.pixel], cells).astype(np.int32)
+        self.traced += add_samples(job, seen, self._around, sums, bounds, rule, self._guides, first)
+        return sums

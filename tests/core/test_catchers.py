@@ -1,0 +1,88 @@
+"""Shadow catchers and holdouts: what the picture shows in place of the surface."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
+from support.scenes import (
+    box,
+    camera_at,
+    constant_world,
+    diffuse,
+    floor,
+    gradient_world,
+    make_picture,
+    make_scene,
+)
+
+_PLAIN = CAMERA_RAYS | SHADOW_RAYS
+FILTERS = pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
+
+
+def _scene(flags, world=None, transparent=False, with_box=True):
+    """A vast floor with flags, a box on it, and the camera looking down at both."""
+    parts, kinds = [floor(200.0)], [_PLAIN | flags]
+    if with_box:
+        parts, kinds = [*parts, box((-0.3, -0.3, 0.0), (0.3, 0.3, 0.8))], [*kinds, _PLAIN]
+    camera = camera_at((1.5, -2.0, 2.5), (0.0, 0.0, 0.2), 24, 16, 0.5)
+    materials = [diffuse((0.5, 0.6, 0.7))] * len(parts)
+    scene = make_scene(parts, materials, world or constant_world(), camera)
+    return dataclasses.replace(scene, object_flags=np.uint8(kinds), transparent_film=transparent)
+
+
+def _render(scene, pixel_filter="BOX", samples=256):
+    return make_picture(scene, max_samples=samples, stop_rule="FIXED", pixel_filter=pixel_filter)[0]
+
+
+@FILTERS
+def test_empty_catcher_is_the_world_behind_it(pixel_filter):
+    """Nothing stands on it: the picture is the one without a floor, the opacity 0."""
+    scene = _scene(SHADOW_CATCHER, gradient_world(), with_box=False)
+    bare = dataclasses.replace(scene, object_flags=np.uint8([0]))  # no ray sees the floor
+    ours, theirs = _render(scene, pixel_filter), _render(bare, pixel_filter)
+    np.testing.assert_allclose(ours["combined"], theirs["combined"], rtol=1e-4)
+    np.testing.assert_allclose(ours["shadow_catcher"], 1.0, rtol=1e-5)
+    film = _render(dataclasses.replace(scene, transparent_film=True), pixel_filter)
+    assert np.abs(film["combined"]).max() < 1e-4
+
+
+@FILTERS
+def test_catcher_shows_the_part_of_the_light_that_arrives(pixel_filter):
+    """Of an even sky: as dark as the floor gets itself, on the world's colour; less alpha."""
+    plain = _render(_scene(0), pixel_filter, 1024)
+    caught = _render(_scene(SHADOW_CATCHER), pixel_filter, 1024)
+    film = _render(_scene(SHADOW_CATCHER, transparent=True), pixel_filter, 1024)
+    # Pixels that show the floor alone; both pictures are sampled by themselves: 3 % of noise each.
+    on_floor = (film["combined"][..., :3] == 0.0).all(axis=2)
+    assert 30 < on_floor.sum() < on_floor.size
+    share = plain["combined"][on_floor, :3] / np.float32([0.5, 0.6, 0.7])
+    assert share.min() < 0.8  # there is a shadow
+    np.testing.assert_allclose(caught["shadow_catcher"][on_floor], share, atol=0.06)
+    np.testing.assert_allclose(caught["combined"][on_floor, :3], share, atol=0.06)
+    alpha = film["combined"][on_floor, 3]
+    np.testing.assert_allclose(alpha, 1.0 - share.mean(axis=1), atol=0.06)
+    assert abs(alpha.mean() - (1.0 - share).mean()) < 0.005
+    assert film["combined"][~on_floor, 3].max() == 1.0
+
+
+def test_catchers_throw_no_shadow_on_each_other():
+    """A wall on a floor, both catchers: nothing is to be seen of them."""
+    scene = _scene(SHADOW_CATCHER)
+    both = dataclasses.replace(scene, object_flags=scene.object_flags | SHADOW_CATCHER)
+    np.testing.assert_allclose(_render(both)["shadow_catcher"], 1.0, rtol=1e-5)
+
+
+@FILTERS
+@pytest.mark.parametrize("transparent", [False, True])
+def test_holdout_is_a_hole(pixel_filter, transparent):
+    """The floor is black, and clear in a transparent film; the box before it stays."""
+    hole = _render(_scene(HOLDOUT, transparent=transparent), pixel_filter)["combined"]
+    plain = _render(_scene(0, transparent=transparent), pixel_filter)["combined"]
+    gone = (hole[..., :3] == 0.0).all(axis=2)
+    assert 30 < gone.sum() < gone.size
+    assert (hole[gone, 3] == (0.0 if transparent else 1.0)).all()
+    whole = (plain[..., 3] == 1.0) & (hole[..., 3] == 1.0) & ~gone
+    if pixel_filter == "CENTER":
+        np.testing.assert_allclose(hole[whole], plain[whole], rtol=1e-5)
