@@ -29,7 +29,7 @@ _RARELY = 100_000
 
 
 def new_kernel(function, options: dict) -> Kernel:
-    """As numba.njit(cache=True, **options)(function); it cannot call itself."""
+    """As numba's njit(cache=True, **options)(function); it cannot call itself."""
     defaults = {"nopython": True, "boundscheck": None, "no_cfunc_wrapper": True}
     kernel = Kernel(function, {}, defaults | options, pipeline_class=_WholeCompiler)
     kernel.enable_caching()

@@ -22,6 +22,7 @@ SHIPPED = sorted(
 # Packages from outside that a core module may import, besides the standard library.
 CORE_MAY_IMPORT = {"numpy", "numba"}
 CORE_MAY_ALSO_IMPORT = {
+    "_parts": {"llvmlite"},
     "accel": {"embreex"},
     "embree_rays": {"llvmlite"},
     "exr": {"OpenEXR"},

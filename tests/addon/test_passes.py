@@ -26,6 +26,7 @@ EXPECTED = {
     "IWIS Error": ("IWIS Error", 1),
     "IWIS Unoccluded": ("IWIS Unoccluded", 3),
     "IWIS Visibility": ("IWIS Visibility", 1),
+    "Shadow Catcher": ("Shadow Catcher", 3),
     "Debug Sample Count": ("Debug Sample Count", 1),
 }
 
