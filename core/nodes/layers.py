@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..lobe_setup import setup_lobes
 from ..scene import GGX, PRINCIPLED, MaterialParams
 from .values import as_number, as_vector, column, dot
 
@@ -13,6 +12,8 @@ _LEAST_IOR = np.float32(1.0)
 
 def _albedo(context, ior, roughness, normal) -> np.ndarray:
     """float32 (n,): of all light, what a clear coat reflects to the viewer."""
+    from ..lobe_setup import setup_lobes  # kernels: the exporters load without numba
+
     n = len(context)
     white, black = np.ones((n, 3), np.float32), np.zeros((n, 3), np.float32)
     coat = MaterialParams(

@@ -18,7 +18,10 @@ def _layers(by_rays, work=CenterTile, world=None, **settings):
     tile = work(job, WHOLE)
     if by_rays is not None:  # nor does the older loop learn
         tile._look()
-        tile._guides = new_guides(0)
+        if work is CenterTile:
+            tile._guides = [new_guides(0)] * len(tile._layers)
+        else:
+            tile._sampler._guides = new_guides(0)
     while not tile.advance(64):
         pass
     return tile.develop().layers, tile.counts()

@@ -117,7 +117,7 @@ def _error(guided, material, seed):
     tile = CenterTile(job, Rect(0, 0, 16, 16))
     tile._look()
     if not guided:
-        tile._guides = new_guides(0)
+        tile._guides = [new_guides(0)] * len(tile._layers)
     tile.advance(128)
     picture = tile.develop().layers["combined"][..., 1].copy()
     tile.advance(4096)
