@@ -7,8 +7,8 @@ In the order of the data; a module imports only from groups with a smaller numbe
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes,
     pace, lamp_areas
-    panorama, embree_filter, albedo_tables,          2  rays, sparse Haar series, points
-    haar_forest, environment, shading, watch, neighbours, merl,
+    panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
+    albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes
     lens, embree, lobes, pyramid, haar_product,      3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool

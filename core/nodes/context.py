@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..panorama import pixel_angle, space_axes
+from ..panorama_places import space_axes
 from ..program import SurfaceData
 from ..scene import Camera, TriangleMesh
 from .values import dot, normalized
@@ -181,6 +181,8 @@ class ShadeContext:
     def footprint(self) -> np.ndarray:
         """float32 (n,), metres that a pixel covers at the point, seen straight on."""
         if self.camera.kind == "PANORAMIC":
+            from ..panorama import pixel_angle  # a kernel: the exporters load without numba
+
             distance = np.linalg.norm(self.camera_position, axis=1)
             return np.maximum(distance * pixel_angle(self.camera), 1e-6).astype(np.float32)
         left, right, _, _ = self.camera.window

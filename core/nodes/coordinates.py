@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..panorama import panorama_places, space_axes
+from ..panorama_places import panorama_places, space_axes
 from .values import column, divided, dot, length, normalized, parts, vector
 
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)

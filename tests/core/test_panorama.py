@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from iwis.core.camera import camera_rays, rays_through, view_depth
-from iwis.core.panorama import panorama_directions, panorama_places, pixel_angle
+from iwis.core.panorama import panorama_directions, pixel_angle
+from iwis.core.panorama_places import panorama_places
 from iwis.core.scene import PANORAMIC, PERSPECTIVE, Camera, Panorama
 
 PI = np.pi
