@@ -18,15 +18,18 @@ from .nodes.values import normalized
 from .program import Program, Ref
 from .scene import Scene
 
-# Grids are as fine as this at the most, and take no more bytes than this in all.
+# Grids are as fine as this at the most; more corners than this are not made for one material: some
+# seconds of work, and as many bytes.
 FINEST = 512
-MOST_BYTES = 256 << 20
-# Steps along an edge where no image says how fine the pattern is.
-_PROCEDURAL = 64
+MOST_CORNERS = 1 << 24
+# Where no image says how fine the pattern is: steps along an edge, at the most and at the least,
+# and about how many corners all triangles get together.
+_PROCEDURAL, _COARSEST, _CORNERS = 64, 4, 1 << 20
 _POINTS_AT_ONCE = 1 << 18
 _OF_RAYS = ("ShaderNodeFresnel", "ShaderNodeLayerWeight", "under_coat")
 _RAY_OUTPUTS = {"Incoming", "Backfacing", "Ray Length", "Ray Depth", "Transparent Depth"}
 # Kinds that look at nothing but values at the corners; images do if their coordinates do.
+_COORDINATES = ("ShaderNodeTexCoord", "ShaderNodeNewGeometry", "ShaderNodeObjectInfo")
 _OF_CORNERS = ("ShaderNodeUVMap", "ShaderNodeVertexColor", "ShaderNodeAttribute")
 
 
@@ -50,16 +53,21 @@ def _ops_behind(program: Program, value) -> list:
 
 
 def bake_opacity(scene: Scene, triangles: np.ndarray) -> Opacity:
-    """Grids for some triangles, bool (m,), whose materials have programs that can be baked."""
+    """Grids for some triangles, bool (m,), whose materials have programs that can be baked.
+
+    A material that would need more than MOST_CORNERS gets none.
+    """
     materials = scene.mesh.material_index
     row = np.full(len(materials), -1, np.int32)
-    sides, values, room = [np.zeros(0, np.int32)], [np.zeros(0, np.uint8)], MOST_BYTES
+    sides, values = [np.zeros(0, np.int32)], [np.zeros(0, np.uint8)]
     n = 0
     for material in np.unique(materials[triangles]):
         program = scene.shaders.programs[material]
         which = np.flatnonzero(triangles & (materials == material)).astype(np.int32)
         first, again = _shared(scene, program, which)
-        side = _sides(scene, program, which[first], room)
+        side = _sides(scene, program, which[first])
+        if _corners(side.astype(np.int64)).sum() > MOST_CORNERS:
+            continue
         order = np.argsort(side, kind="stable")
         place = np.empty(len(order), np.int32)
         place[order] = np.arange(len(order))
@@ -68,7 +76,6 @@ def bake_opacity(scene: Scene, triangles: np.ndarray) -> Opacity:
         for size in np.unique(side):
             grids = _grids(scene, program, which[first[side == size]], int(size))
             values.append(grids.ravel())
-            room -= grids.size
         sides.append(side)
         n += len(side)
     side = np.concatenate(sides)
@@ -116,29 +123,24 @@ def _is_of_corners(op) -> bool:
     return op.kind in _OF_CORNERS or "outputs" not in op.settings or not op.settings["outputs"]
 
 
-def _sides(scene: Scene, program: Program, triangles, room: int) -> np.ndarray:
+def _sides(scene: Scene, program: Program, triangles) -> np.ndarray:
     """int32 (n,): R of each grid, a power of two, by the texels that its images have there."""
     n = len(triangles)
     corners = np.tile(np.float32([[0, 0], [1, 0], [0, 1]]), (n, 1))
     context = _context(scene, np.repeat(triangles, 3), corners)
-    evaluation, wanted, images = Evaluation(program, context), np.ones(n), False
-    ops = _ops_behind(program, program.transparent)
-    for op in ops:
+    evaluation, wanted = Evaluation(program, context), np.ones(n)
+    for op in _ops_behind(program, program.transparent):
         if op.kind == "ShaderNodeTexImage" and op.settings["image"] is not None:
-            images = True
             size = max(max(t.shape[:2]) for t in op.settings["image"].tiles.values())
             vector = op.inputs.get("Vector")
             place = context.uv() if vector is None else evaluation.vector(vector)
             spread = np.ptp(place.reshape(n, 3, 3), axis=1).max(axis=1)
             wanted = np.maximum(wanted, np.nan_to_num(spread) * size)
-        elif op.kind.startswith("ShaderNodeTex") and op.kind != "ShaderNodeTexCoord":
-            wanted = np.maximum(wanted, _PROCEDURAL)
-    if not images and any(op.settings.get("outputs") for op in ops):
-        wanted = np.maximum(wanted, _PROCEDURAL)
-    side = 2.0 ** np.ceil(np.log2(np.clip(wanted, 1.0, FINEST)))
-    while _corners(side).sum() > room and side.max() > 1.0:
-        side = np.maximum(side / 2.0, 1.0)
-    return side.astype(np.int32)
+        elif op.settings.get("outputs") and op.kind not in _COORDINATES:
+            wanted = np.maximum(wanted, np.clip((2 * _CORNERS / n) ** 0.5, _COARSEST, _PROCEDURAL))
+    if wanted.max() == 1.0 and not isinstance(program.transparent, np.ndarray):
+        wanted[:] = np.clip((2 * _CORNERS / n) ** 0.5, _COARSEST, _PROCEDURAL)
+    return (2.0 ** np.ceil(np.log2(np.clip(wanted, 1.0, FINEST)))).astype(np.int32)
 
 
 def _corners(side):

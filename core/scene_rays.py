@@ -69,6 +69,8 @@ def ray_masks(scene: Scene) -> RayMasks | None:
     cut = materials[mesh.material_index]
     with_grid = shadow & np.array(baked)[mesh.material_index]
     opacity = bake_opacity(scene, with_grid) if with_grid.any() else None
+    if opacity is not None:
+        with_grid = opacity.row >= 0
     solid, hit_by_hit = shadow & (~cut | with_grid), shadow & cut & ~with_grid
     return RayMasks(camera, solid, hit_by_hit, catcher, opacity)
 

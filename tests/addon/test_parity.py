@@ -12,9 +12,7 @@ _NOISY = (
     "Area DISK, spread 60",
     "Camera depth of field of glowing checks",
     "Mix, three closures",
-    "Transparent from behind",
     "World, ramp by height",
-    "World, two backgrounds by camera ray",
 )
 _CHOSEN = [case for case in ALL_CASES if not case.noisy][::10]
 _CHOSEN += [case for case in ALL_CASES if case.name in _NOISY]

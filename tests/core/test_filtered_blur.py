@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core import filtered_tile
+from iwis.core import silhouettes
 from iwis.core.filtered_tile import FilteredTile
 from iwis.core.pass_rays import samples_of_a_pass
 from iwis.core.pass_sums import cell_spreads
@@ -55,8 +55,8 @@ def test_a_bright_spot_out_of_focus_keeps_its_light(monkeypatch):
     found = np.mean([_spot_light(seed=seed, **adaptive)[0] for seed in range(3)])
     # One seed's standard deviation is 6 %, measured over 12: four of them for a mean of three.
     assert found == pytest.approx(truth, rel=0.15)
-    monkeypatch.setattr(filtered_tile, "blurred", lambda camera, at: np.zeros(len(at), bool))
-    monkeypatch.setattr(filtered_tile, "world_blurred", lambda camera: False)
+    monkeypatch.setattr(silhouettes, "blurred", lambda camera, at: np.zeros(len(at), bool))
+    monkeypatch.setattr(silhouettes, "world_blurred", lambda camera: False)
     assert _spot_light(**adaptive)[0] < 0.5 * truth
 
 
