@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import time
 import weakref
+from collections.abc import Callable
 
 import bpy
 import numpy as np
@@ -50,19 +51,13 @@ class Viewport:
         self.restarts = 0
         self.region, self.pixel_size = 0, 1
         share_cache_dir()
-        self.thread = view_thread.ViewThread(self._redraw)
+        # The thread must not hold the viewport: it would outlive the region, with its whole scene.
+        self.thread = view_thread.ViewThread(_redrawing(self._engine))
         self.thread.start()
         _LIVING.add(self)
 
     def __del__(self):
         self.thread.close()
-
-    def _redraw(self) -> None:
-        """Have Blender draw the region; to be called by any thread."""
-        engine = self._engine()
-        if engine is None:
-            raise ReferenceError
-        engine.tag_redraw()
 
     def update(self, context, depsgraph) -> None:
         """`view_update`: read what has changed; a click on an object changes nothing."""
@@ -156,6 +151,18 @@ class Viewport:
             self.thread.picture = None
         else:
             self.thread.request(_replace(scene, camera=camera), settings)
+
+
+def _redrawing(engine: weakref.ref) -> Callable[[], None]:
+    """What has Blender draw the engine's region; to be called by any thread."""
+
+    def redraw() -> None:
+        found = engine()
+        if found is None:
+            raise ReferenceError
+        found.tag_redraw()
+
+    return redraw
 
 
 def _shown(item, space) -> bool:

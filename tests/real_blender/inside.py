@@ -79,7 +79,8 @@ def until(condition, seconds: float, what: str):
     deadline = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > deadline:
-            raise TimeoutError(f"{what} did not come within {seconds} s")
+            views = [(view.line(), view.restarts) for view in addon().living()]
+            raise TimeoutError(f"{what} did not come within {seconds} s; views: {views}")
         yield 0.02
 
 
