@@ -15,7 +15,7 @@ from .metrics import light_of, lit_pixels, mre
 from .plan import Plan
 from .runs import Picture, Run
 
-E, MAX = 0.1, 100
+E, MAX, ROUND = 0.1, 100, 8
 
 
 class Truth(NamedTuple):
@@ -72,6 +72,15 @@ def figure4(run: Run, pair: Pair, truth: Truth) -> Rendered:
         float(light_of(picture.rgb)[lit].sum() / light_of(truth.rgb)[lit].sum() - 1.0),
         tuple(run.notes),
     )
+
+
+def rays_from_scratch(samples: np.ndarray, batch: int) -> np.ndarray:
+    """Shadow rays of pixels whose every round of `batch` points traced all points before it again.
+
+    samples: int (...), what each pixel took, the last round perhaps in part
+    """
+    rounds = -(-samples.astype(np.int64) // batch)
+    return np.where(rounds > 0, batch * rounds * (rounds - 1) // 2 + samples, 0)
 
 
 class Tables(NamedTuple):

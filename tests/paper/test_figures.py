@@ -12,7 +12,7 @@ from iwis.paper import inputs as paper_inputs
 from iwis.paper import plots, report
 from iwis.paper.claims import claims, numbers
 from iwis.paper.figure1 import error_maps
-from iwis.paper.figure4 import MAX, E
+from iwis.paper.figure4 import MAX, E, rays_from_scratch
 from iwis.paper.figure5 import ADAPTIVE, IIS, OURS, Point, at_samples, part_rows
 from iwis.paper.files import read_probe, smooth_mesh
 from iwis.paper.inputs import Inputs, Pair
@@ -108,6 +108,11 @@ def test_figure_4(results):
     assert one.from_limited < one.from_true
     assert 0.0 < one.limited_from_true
     assert abs(one.bias) < 0.1
+
+
+def test_rays_from_scratch():
+    """Counted by hand: 8; 8 + 16; 8 + 12 for one cut short."""
+    assert rays_from_scratch(np.array([0, 8, 16, 12]), 8).tolist() == [0, 8, 24, 20]
 
 
 def test_figure_5(results):

@@ -1,4 +1,7 @@
-"""Run cases and write docs/parity.md: make parity. With words: only cases that have one of them."""
+"""Run cases and write docs/parity.md and its sheet: make parity.
+
+With words: only the cases that have one of them in their name, and nothing is written.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,9 @@ from pathlib import Path
 import iwis
 
 from .all_cases import ALL_CASES
-from .compare import run_case
+from .compare import Result, run_case
+from .sheet import draw_sheet
+from .why import WHY
 
 _HEAD = """# Parity with Cycles
 
@@ -17,10 +22,13 @@ Made by `make parity`: one small scene for each node and setting, rendered by IW
 with direct light only. A case shown as light has no noise; of lit ones the noise of both is taken
 off. *Difference*: root mean square over the picture, of its mean, without the pixels (at most 1
 %) that a ray a hundredth of a pixel aside sees otherwise; *bias*: of the means; *odd*: share of
-pixels that differ by over a tenth. A case agrees if difference and bias are at most 1 %.
+pixels that differ by over a tenth. A case agrees if difference and bias are at most 1 %. Quoted
+is what IWIS warns of.
 
-| case | | difference | bias | odd |
-|---|---|---|---|---|
+![IWIS, Cycles, and four times their difference, as grey for none](pictures/parity.jpg)
+
+| case | | difference | bias | odd | why |
+|---|---|---|---|---|---|
 """
 
 
@@ -29,22 +37,31 @@ def main(words) -> int:
     say = sys.stdout.write
     iwis.register()
     chosen = [c for c in ALL_CASES if not words or any(w.lower() in c.name.lower() for w in words)]
-    rows = []
+    rows, results = [], {}
     with tempfile.TemporaryDirectory() as folder:
         for case in chosen:
-            result = run_case(case, Path(folder))
-            word = "agrees" if result.agrees else "**differs**"
-            figures = f"{result.difference:.4f} | {result.bias:+.4f} | {result.odd:.3f}"
-            rows.append(f"| {case.name} | {word} | {figures} |\n")
-            say(f"{rows[-1]}")
+            result = results[case.name] = run_case(case, Path(folder))
+            rows.append(_row(case.name, result))
+            say(rows[-1])
             sys.stdout.flush()
     iwis.unregister()
-    bad = sum("differs" in row for row in rows)
+    bad = sum(not result.agrees for result in results.values())
     say(f"{len(rows)} cases, {bad} differ\n")
     if not words:
-        path = Path(iwis.__file__).parent / "docs" / "parity.md"
-        path.write_text(f"{_HEAD}{''.join(rows)}\n{len(rows)} cases, {bad} differ.\n")
+        docs = Path(iwis.__file__).parent / "docs"
+        (docs / "parity.md").write_text(
+            f"{_HEAD}{''.join(rows)}\n{len(rows)} cases, {bad} differ.\n"
+        )
+        draw_sheet(results, docs / "pictures" / "parity.jpg")
     return int(bad > 0)
+
+
+def _row(name: str, result: Result) -> str:
+    figures = f"{result.difference:.4f} | {result.bias:+.4f} | {result.odd:.3f}"
+    reasons = [] if result.agrees else [WHY.get(name, "not known")]
+    reasons += [f'"{line}"' for line in dict.fromkeys(result.warnings)]
+    why = "; ".join(reasons).replace("|", "/")
+    return f"| {name} | {'agrees' if result.agrees else '**differs**'} | {figures} | {why} |\n"
 
 
 if __name__ == "__main__":

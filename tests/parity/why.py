@@ -1,0 +1,20 @@
+"""Why cases differ that do: what was found out, by the case's name."""
+
+_EDGES = "edges of a pattern fall between two pixels, and steep highlights; tones agree"
+_RAYS = "Cycles follows BSDF rays through it as well, whose Light Path is another"
+_BUMP = "IWIS is brighter; likeliest Cycles' bump shadowing of light below the true surface"
+
+WHY = {
+    "Geometry Parametric": "IWIS has no barycentric coordinates for shaders",
+    "Geometry Tangent": "at the poles of the sphere's own direction only",
+    "Principled, roughness varies": _EDGES,
+    "Principled, specular varies": _EDGES,
+    "Glossy, roughness varies": _EDGES,
+    "Principled, bump": _BUMP,
+    "Principled, normal map": _BUMP,
+    "Principled mixed with a glowing image": _EDGES,
+    "Transparent to shadow rays": _RAYS,
+    "Transparent by a checker": _EDGES,
+    "Principled, alpha by noise": _EDGES,
+    "Principled, coat varies": _EDGES,
+}
