@@ -181,3 +181,35 @@ _emitter("Emissive sphere under a world", _ball, _principled(0.4), world=True)
 for _roughness in (0.05, 0.15, 0.3):
     _made = _principled(_roughness, Metallic=0.5)
     _emitter(f"Emissive plane, roughness {_roughness}", _plane, _made)
+
+
+def _caught(name, add, transparent):
+    """The floor is a shadow catcher; add(scene): what throws shadows on it."""
+
+    def build(scene, tree):
+        add(scene)
+        scene.objects["Plane"].is_shadow_catcher = True
+        scene.render.film_transparent = transparent
+        tree.surface(_diffuse(tree))
+
+    lit_by(name, build, world=True, with_alpha=transparent)
+
+
+def _bright_ball(scene):
+    _lamp(scene, "POINT", _ABOVE, **_BALL | {"energy": 900.0})
+
+
+def _bright_sun(scene):
+    _lamp(scene, "SUN", _SIDE, energy=4.0, angle=0.05)
+
+
+def _bright_plane(scene):
+    _plane(0)
+    bpy.context.object.name = "Light"
+    bpy.context.object.data.materials.append(_glowing(scene, (1.0, 0.9, 0.8), 20.0))
+
+
+_caught("Shadow catcher, world alone", lambda scene: None, False)
+_caught("Shadow catcher, point", _bright_ball, False)
+_caught("Shadow catcher, sun, transparent film", _bright_sun, True)
+_caught("Shadow catcher, emissive plane, transparent film", _bright_plane, True)
