@@ -6,10 +6,10 @@ In the order of the data; a module imports only from groups with a smaller numbe
     _jit, settings, program, lamps                   0  how kernels are kept; all defaults
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes,
-    pace, lamp_areas
+    pace, lamp_areas, lamp_meshes
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
-    glossy_normal, lamp_shapes
+    glossy_normal, lamp_shapes, emitters
     lens, embree, lobes, pyramid, haar_product,      3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials

@@ -1,8 +1,9 @@
 """Shadow catchers and holdouts: surfaces of which the picture shows their shadow, or a hole.
 
 A catcher shows the world behind it, times s: of the light that it reflects, the part that arrives
-where the other objects stand (Cycles' Shadow Catcher pass). In a transparent film it is black with
-the opacity 1 - s. What it is made of says only how light from different sides counts.
+where the other objects stand (Cycles' Shadow Catcher pass); the picture takes the mean of s over
+its colours, as Cycles' does. In a transparent film it is black with the opacity 1 - s. What it is
+made of says only how light from different sides counts.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ class CaughtPasses:
         if scene.transparent_film:
             behind = np.ones_like(behind)
         share = arriving(sums.diffuse + sums.glossy, sums.unoccluded)
-        light = (share * behind) @ _LUMINANCE
+        light = share.mean(axis=1) * (behind @ _LUMINANCE)
         state.light[points.pixel] += light
         state.light_squared[points.pixel] += light**2
         state.count[points.pixel] += sums.count
@@ -64,7 +65,7 @@ class CaughtPasses:
         share = arriving((sums.diffuse + sums.glossy)[rows], sums.unoccluded[rows])
         passes = np.maximum(passes, 1)[:, None]
         behind = sums.environment[rows] / passes * scene.exposure
-        _write(scene, layers, slice(None), share, behind * share, hits / passes)
+        _write(scene, layers, slice(None), share, behind, hits / passes)
 
 
 def show_caught(
@@ -84,15 +85,16 @@ def show_caught(
                 flat[place[rows], 3] = 1.0
     share = arriving((sums.diffuse + sums.glossy)[caught], sums.unoccluded[caught])
     behind = world.radiance(-points.wo[caught]) * np.float32(scene.environment.visible_to_camera)
-    behind = behind * scene.exposure * share
+    behind = behind * scene.exposure
     _write(scene, layers, place[caught], share, behind, np.ones((len(caught), 1)))
 
 
-def _write(scene, layers, where, share, light, part) -> None:
-    """Add light, or opacity, of a part of pixels, and write the Shadow Catcher layer there."""
+def _write(scene, layers, where, share, behind, part) -> None:
+    """Add a share of what is behind, or opacity, of a part of pixels; write the layer there."""
     combined = layers["combined"].reshape(-1, 4)
+    gray = share.mean(axis=1)
     if scene.transparent_film:
-        combined[where, 3] += part[:, 0] * (1.0 - share.mean(axis=1))
+        combined[where, 3] += part[:, 0] * (1.0 - gray)
     else:
-        combined[where, :3] += light
+        combined[where, :3] += behind * gray[:, None]
     layers["shadow_catcher"].reshape(-1, 3)[where] = 1.0 + part * (share - 1.0)

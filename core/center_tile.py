@@ -8,7 +8,7 @@ import functools
 import numpy as np
 
 from .camera import pixel_grid, rays_through
-from .catchers import show_caught
+from .catchers import plays, show_caught
 from .develop import MissedRays, PlacedPoints, develop_points
 from .film import Tile
 from .guide import Guides, new_guides
@@ -16,6 +16,7 @@ from .incremental import PixelSums, new_sums
 from .merged_layers import merge_layers
 from .neighbours import CELL_PX, cell_order
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
+from .scene import HOLDOUT, SHADOW_CATCHER
 from .stop_rule import Rule, perceptual_rule, spread_of, stop_rule
 from .tile_job import (
     ClosureLayer,
@@ -109,10 +110,26 @@ class CenterTile:
             self.rect[2:],
             self._job.settings.max_samples,
         )
-        show_caught(self._job.scene, self._job.seen_world, seen.points, self._places, sums, layers)
-        every, exposure = slice(None), float(self._job.scene.exposure)
-        self._lamps.add_to_layers(layers, every, self._places, exposure)
+        scene, points = self._job.scene, seen.points
+        caught = plays(scene, points, SHADOW_CATCHER)
+        shown = ~(caught | plays(scene, points, HOLDOUT))
+        exposure = np.where(shown, float(scene.exposure), 0.0)
+        self._lamps.add_to_layers(layers, slice(None), self._places, exposure)
+        sums = self._with_lamps(np.flatnonzero(caught), points, sums)
+        show_caught(scene, self._job.seen_world, points, self._places, sums, layers)
         return Tile(*self.rect, layers)
+
+    def _with_lamps(self, caught, points, sums):
+        """The sums, those of points on catchers with the lamps' light in them."""
+        if not len(caught):
+            return sums
+        where = frame_places(self._whole, points.pixel[caught])
+        own = type(sums)(*(column[caught] for column in sums))
+        own = self._lamps.caught_at_once([layer.at(caught) for layer in self._layers], where, own)
+        whole = type(sums)(*(column.copy() for column in sums))
+        for column, part in zip(whole, own, strict=True):
+            column[caught] = part
+        return whole
 
     def rest(self) -> None:
         """See TileWork."""

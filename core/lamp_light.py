@@ -19,7 +19,7 @@ from ._jit import kernel
 from .accel import Accel, start_shadow_ray
 from .brdf import eval_at, lobes_at, pdf_narrowest_at, sample_narrowest_at
 from .lamp_shapes import meet_lamp, sample_lamp
-from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, ROUND_BEAM, SUN, Lamps
+from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, MESH, ROUND_BEAM, SUN, Lamps
 from .lobes import DIFFUSE_LOBE, Lobes
 from .microfacet import MIN_ALPHA
 from .pixel_filter import LAMPS, point_of_pixel
@@ -68,6 +68,8 @@ def powers_of(lamps: Lamps) -> np.ndarray:
     area = np.where(height > 0.0, width * height, math.pi * width**2)
     sun = lamps.kind == SUN
     area[sun] = math.pi * np.sin(width[sun]) ** 2
+    mesh = lamps.kind == MESH
+    area[mesh] = 0.5 * lamps.faces.area[lamps.span[mesh, 1] - 1]
     beam = (lamps.kind == BEAM) | (lamps.kind == ROUND_BEAM)
     return light * np.where(beam | (area == 0.0), 1.0, area)
 

@@ -1,6 +1,7 @@
 """A direction from a point to a lamp, its density, and which lamp a direction meets.
 
-Spheres and the sun by the solid angle of their cone, discs by their area, areas by lamp_areas.py.
+Spheres and the sun by the solid angle of their cone, discs by their area, areas by lamp_areas.py,
+meshes by lamp_meshes.py.
 All of it in float64: a sun of half a degree is a difference of numbers close to one.
 """
 
@@ -12,7 +13,8 @@ import numpy as np
 
 from ._jit import kernel
 from .lamp_areas import meet_area, sample_area, sample_beam
-from .lamps import BEAM, DISC, ROUND_BEAM, SPHERE, SUN
+from .lamp_meshes import meet_mesh, sample_mesh
+from .lamps import BEAM, DISC, MESH, ROUND_BEAM, SPHERE, SUN
 
 _TWO_PI = 2.0 * math.pi
 
@@ -161,6 +163,8 @@ def sample_lamp(lamps, i, px, py, pz, nx, ny, nz, a, b):
         return _sample_sphere(lamps, i, px, py, pz, nx, ny, nz, a, b)
     if kind == DISC:
         return _sample_disc(lamps, i, px, py, pz, a, b)
+    if kind == MESH:
+        return sample_mesh(lamps, i, px, py, pz, a, b)
     if kind == BEAM or kind == ROUND_BEAM:
         return sample_beam(lamps, i, px, py, pz)
     return sample_area(lamps, i, px, py, pz, a, b)
@@ -210,4 +214,6 @@ def meet_lamp(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz):
         return _meet_sun(lamps, i, dx, dy, dz)
     if kind == SPHERE or kind == DISC:
         return _meet_ball(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
+    if kind == MESH:
+        return meet_mesh(lamps, i, px, py, pz, dx, dy, dz)
     return meet_area(lamps, i, px, py, pz, dx, dy, dz)

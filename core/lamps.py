@@ -11,10 +11,26 @@ from typing import NamedTuple
 import numpy as np
 
 # Lamps.kind
-SUN, SPHERE, DISC, RECTANGLE, ELLIPSE, BEAM, ROUND_BEAM = range(7)
+SUN, SPHERE, DISC, RECTANGLE, ELLIPSE, MESH, BEAM, ROUND_BEAM = range(8)
 # Lamps.seen_by
 BY_DIFFUSE, BY_GLOSSY = 1, 2
 EVERYWHERE = np.float32(-2.0)  # Lamps.cone of what is no spot
+BLOCK = 16  # faces of a MESH that have a ball around them
+
+
+class LampFaces(NamedTuple):
+    """Triangles of lamps of kind MESH: whole blocks of BLOCK rows each, filled up by empty ones.
+
+    corners: float32 (m, 3, 3), world space; area: float64 (m,), m2, of a lamp's faces up to this
+    balls: float64 (m / BLOCK, 4), centre and radius of what a block is within
+    """
+
+    corners: np.ndarray
+    area: np.ndarray
+    balls: np.ndarray
+
+
+NO_FACES = LampFaces(np.zeros((0, 3, 3), np.float32), np.zeros(0), np.zeros((0, 4)))
 
 
 class Lamps(NamedTuple):
@@ -22,18 +38,20 @@ class Lamps(NamedTuple):
 
     kind: int8 (n,); SUN: a disc at infinity; SPHERE: of point and spot lamps; DISC: the same with
         soft falloff, a disc that faces whoever looks at it; RECTANGLE, ELLIPSE: one-sided areas;
-        BEAM, ROUND_BEAM: such areas that shine along their axis only
+        MESH: faces that shine on both sides; BEAM, ROUND_BEAM: areas that shine along their axis
     seen_by: int8 (n,), BY_DIFFUSE | BY_GLOSSY: which lobes it lights
     shadow: bool (n,), whether it casts shadows
     position: float32 (n, 3), of the centre
     forward, right, up: float32 (n, 3), unit: where it shines, and the sides of an area
-    size: float32 (n, 2): half the angle of a SUN, 0; radius of SPHERE and DISC, 0; width and height
+    size: float32 (n, 2): half the angle of a SUN, 0; radius of SPHERE and DISC, 0; width and
+        height; width of the ball around a MESH, 0
     radiance: float32 (n, 3); where there is no size W/sr, of a SUN without one and of beams W/m2
     to_cone: float32 (n, 3, 3), world directions into the frame in which a spot's cone is round,
         its axis -z; cone: float32 (n, 2), cosine of half its angle (EVERYWHERE: no spot) and the
         inverse of the range of cosines over which its edge is soft
     spread: float32 (n, 2): an area's radiance at an angle a from its axis is multiplied by
         max(0, spread[0] - tan a) spread[1]; spread[0] = infinity: by 1
+    span: int32 (n, 2), first row of a MESH in faces and the row after its last; faces: of all
     """
 
     kind: np.ndarray
@@ -48,10 +66,13 @@ class Lamps(NamedTuple):
     to_cone: np.ndarray
     cone: np.ndarray
     spread: np.ndarray
+    span: np.ndarray
+    faces: LampFaces
 
     def at(self, which) -> Lamps:
         """Those of a slice, of indices or of a mask."""
-        return Lamps(*(np.ascontiguousarray(column[which]) for column in self))
+        columns = (np.ascontiguousarray(column[which]) for column in self[:-1])
+        return Lamps(*columns, self.faces)
 
 
 _SHAPES = {
@@ -67,13 +88,14 @@ _SHAPES = {
 }
 
 
-def make_lamps(rows: list[dict]) -> Lamps:
+def make_lamps(rows: list[dict], faces: LampFaces = NO_FACES) -> Lamps:
     """The table of some lamps: a dict of Lamps' fields each; what is left out is no spot, spread
     over its whole side, seen by all, with a shadow. Raises ValueError at a value that is not finite
     or at a negative radiance."""
     n = len(rows)
     columns = {name: np.zeros((n, *shape), np.float32) for name, shape in _SHAPES.items()}
     columns |= {"kind": np.zeros(n, np.int8), "shadow": np.ones(n, np.bool_)}
+    columns |= {"span": np.zeros((n, 2), np.int32), "faces": faces}
     columns["seen_by"] = np.full(n, BY_DIFFUSE | BY_GLOSSY, np.int8)
     columns["cone"][:, 0], columns["spread"][:, 0] = EVERYWHERE, np.inf
     columns["forward"][:, 2], columns["right"][:, 0], columns["up"][:, 1] = -1.0, 1.0, 1.0

@@ -57,7 +57,8 @@ class PassSampler:
         if caught.any():
             layers = self._layers_of(points, caught)
             job = dataclasses.replace(self._job, accel=self._job.accel.without_catchers)
-            found.append((self._add_caught, layers, self._sample(job, layers, count, number)))
+            sums = self._sample(job, layers, count, number)
+            found.append((self._add_caught, layers, sums, number, job.accel))
         return found
 
     def show_caught(self, rows: np.ndarray, layers: dict[str, np.ndarray]) -> None:
@@ -75,8 +76,10 @@ class PassSampler:
         self.lamps.add_pass(layers, places, number, sums)
         add_seen(points.pixel, points.normal, seen.lobes, sums, self._state)
 
-    def _add_caught(self, layers, sums) -> None:
+    def _add_caught(self, layers, sums, number, accel) -> None:
         seen, sums = merge_layers(layers, sums)
+        places = frame_places(self._around, seen.points.pixel)
+        sums = self.lamps.caught(layers, places, number, accel, sums)
         self._caught.add(self._job.scene, self._job.seen_world, seen, sums, self._state)
 
     def _sample(self, job: Job, layers, count: int, number: int) -> list[PixelSums]:

@@ -14,7 +14,7 @@ from ._jit import kernel
 from .accel import Accel
 from .incremental import PixelSums
 from .lamp_light import COLUMNS, UNOCCLUDED, LampSamples, add_lamp_light
-from .lamps import is_soft
+from .lamps import MESH, Lamps, is_soft
 from .pass_sums import PassSums
 from .scene import Scene
 from .settings import RenderSettings
@@ -65,9 +65,9 @@ class TileLamps:
         pixel, count = layers[0].seen.points.pixel, self._of_a_pass
         light = np.zeros((len(pixel), COLUMNS))
         for k in range(count):
-            self._add(layers, self._soft, places, number * count + k, light)
+            self._add(layers, self._soft, places, number * count + k, light, self._accel)
         light /= count
-        self._add(layers, self._hard, places, number, light)
+        self._add(layers, self._hard, places, number, light, self._accel)
         _add_to_pixels(pixel, light, count, self._light, self._count)
         _show(light, sums)
 
@@ -98,27 +98,58 @@ class TileLamps:
             mean[unsure] += self._settled(some, where, _FIRST, most)[:, :COLUMNS]
             count[unsure] = most
         self._light[:] = mean / count[:, None]
-        self._add(layers, self._hard, places, 0, self._light)
+        self._add(layers, self._hard, places, 0, self._light, self._accel)
 
     def _settled(self, layers, places, first, end) -> np.ndarray:
         """float64 (n, COLUMNS + 1): sums of samples first ... end - 1, last squared luminance."""
         sums = np.zeros((len(places[0]), COLUMNS + 1))
         for k in range(first, end):
             light = np.zeros((len(sums), COLUMNS))
-            self._add(layers, self._soft, places, k, light)
+            self._add(layers, self._soft, places, k, light, self._accel)
             sums[:, :COLUMNS] += light
             sums[:, COLUMNS] += _luminance(light) ** 2
         return sums
 
-    def _add(self, layers, lamps, places, number, light) -> None:
+    def _add(self, layers, lamps, places, number, light, accel) -> None:
         own = 0 if self._settings.decorrelation == "NONE" else 1
         for seen, of in layers:
             columns, rows = (own * place[of].astype(np.int64) for place in places)
             samples = LampSamples(columns, rows, number, self._settings.seed)
             part = np.zeros((len(of), COLUMNS))
-            given = seen.points, seen.lobes, lamps, self._accel, samples, part
+            given = seen.points, seen.lobes, lamps, accel, samples, part
             self.traced += add_lamp_light(*given)
             light[of] += part
+
+    def caught(self, layers, places, number: int, accel: Accel, sums: PixelSums) -> PixelSums:
+        """The sums of a pass's points on shadow catchers, with the lamps' light in all of them.
+
+        accel: what throws shadows on catchers. The rest as for add_pass
+        """
+        return self._caught(layers, places, number, self._of_a_pass, accel, sums)
+
+    def caught_at_once(self, layers, places, sums: PixelSums) -> PixelSums:
+        """The same, once and for all, of pixels with one shading point."""
+        most = min(max(self._settings.max_samples, 1), _MOST)
+        return self._caught(layers, places, 0, most, self._accel, sums)
+
+    def _caught(self, layers, places, number, count, accel, sums) -> PixelSums:
+        if not self._any or not len(sums.count):
+            return sums
+        found = []
+        for others in (True, False):  # with the same numbers: a share of 1 has no noise
+            light = np.zeros((len(sums.count), COLUMNS))
+            soft, hard = (_lamps(lamps, others) for lamps in (self._soft, self._hard))
+            for k in range(count):
+                self._add(layers, soft, places, number * count + k, light, accel)
+            light /= count
+            self._add(layers, hard, places, number, light, accel)
+            found.append(light[:, :UNOCCLUDED] * np.maximum(sums.count, 1)[:, None])
+        lit, whole = found
+        return sums._replace(
+            diffuse=sums.diffuse + lit[:, :3],
+            glossy=sums.glossy + lit[:, 3:],
+            unoccluded=sums.unoccluded + whole[:, :3] + whole[:, 3:],
+        )
 
     def add_to_layers(self, layers, rows, place, weight) -> None:
         """Add the light to a tile's developed layers, in which its colours stand already.
@@ -153,6 +184,14 @@ def _add_to_pixels(pixel, light, count, out, counts):
         counts[pixel[k]] += count
         for c in range(light.shape[1]):
             out[pixel[k], c] += light[k, c]
+
+
+def _lamps(lamps: Lamps, others: bool) -> Lamps:
+    """The lamps with or without the other objects: without them meshes do not shine either."""
+    if others:
+        return lamps
+    own = lamps.at(lamps.kind != MESH)
+    return own._replace(shadow=np.zeros_like(own.shadow))
 
 
 def _luminance(light) -> np.ndarray:

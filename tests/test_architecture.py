@@ -30,7 +30,15 @@ CORE_MAY_ALSO_IMPORT = {
 # What the parts beside core may import of core; None = all of it. What is not named here, nothing.
 MAY_IMPORT_OF_CORE = {
     "iwis_addon/export": {"scene", "settings", "film", "measured", "table_cache", "program"}
-    | {"lamps", "nodes", "nodes/hashing", "nodes/typical", "nodes/world", "nodes/world_map"},
+    | {
+        "lamps",
+        "emitters",
+        "nodes",
+        "nodes/hashing",
+        "nodes/typical",
+        "nodes/world",
+        "nodes/world_map",
+    },
     "iwis_addon/settings.py": {"scene", "settings", "film"},
     "iwis_addon/passes.py": {"scene", "settings", "film"},
 }

@@ -14,7 +14,7 @@ live                         a window's scene, of which only what has changed is
 
 from __future__ import annotations
 
-from ...core.lamps import make_lamps
+from ...core.emitters import with_emitters
 from ...core.program import Shaders
 from ...core.scene import NO_MEASURED, Scene
 from .camera import export_camera
@@ -71,7 +71,7 @@ def export_scene(
         warnings,
         lambda lines: read_world(depsgraph, lines, texels, cancelled, least_height),
     )
-    lamps = make_lamps(geometry.inventory.lamps)
+    lamps = with_emitters(geometry.inventory.lamps, geometry.mesh, materials.params.emission)
     if len(lamps.kind):
         warnings[:] = [line for line in warnings if not line.endswith((NO_LIGHT, NO_WORLD))]
     if cancelled():

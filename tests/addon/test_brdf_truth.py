@@ -113,7 +113,7 @@ def _compare(scene, tmp_path, monkeypatch, material, gradient=False):
     layers = cycles_render.render_cycles(scene, tmp_path, passes)
     warnings = []
     params, _ = export_materials([material], warnings)
-    assert all("lights nothing else" in line for line in warnings)  # of those that emit
+    assert not warnings
     normal, mask = _normals()
     n = len(normal)
     wo = np.tile(np.float32([0.0, -1.0, 0.0]), (n, 1))

@@ -13,6 +13,7 @@ from iwis.core.lamps import (
     BY_GLOSSY,
     DISC,
     ELLIPSE,
+    MESH,
     RECTANGLE,
     ROUND_BEAM,
     SPHERE,
@@ -189,3 +190,57 @@ def test_a_render_under_a_lamp_alone(cube_scene):
     combined = layers["combined"][..., :3]
     lit = np.median(combined[combined > 0.0])
     assert 0.3 < lit <= 1.0 and np.isfinite(combined).all()
+
+
+def add_emitter(strength):
+    """A glowing square of side 2, three times as large along x; the Emission node."""
+    bpy.ops.mesh.primitive_plane_add(size=2.0, location=(1.0, 2.0, 3.0))
+    bpy.context.object.scale.x = 3.0
+    material = bpy.data.materials.new("Glow")
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    emission = tree.nodes.new("ShaderNodeEmission")
+    emission.inputs["Color"].default_value = 1.0, 0.5, 0.0, 1.0
+    emission.inputs["Strength"].default_value = strength
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    bpy.context.object.data.materials.append(material)
+    bpy.context.view_layer.update()
+    return emission
+
+
+def test_a_mesh_that_glows_is_a_lamp(scene):
+    """Its radiance is colour x strength, its faces are there in world space, and nothing is warned;
+    a world is not missed."""
+    scene.world = None
+    add_emitter(4.0)
+    row, warnings = exported()
+    assert row["kind"] == MESH and warnings == []
+    np.testing.assert_allclose(row["radiance"], [4.0, 2.0, 0.0])
+    np.testing.assert_allclose(row["position"], [1.0, 2.0, 3.0])
+    lines = []
+    lamps = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines).lamps
+    np.testing.assert_allclose(lamps.faces.area[-1], 12.0, rtol=1e-6)
+
+
+@pytest.mark.parametrize("strength", [0.0, -1.0])
+def test_a_mesh_that_does_not_glow_is_no_lamp(scene, strength):
+    """Strength 0 and less."""
+    add_emitter(strength)
+    assert exported()[0] is None
+
+
+def test_emission_that_varies_is_warned(scene):
+    """Other surfaces get its mean: the warning names the material."""
+    emission = add_emitter(4.0)
+    tree = emission.id_data
+    checker = tree.nodes.new("ShaderNodeTexChecker")
+    checker.inputs["Color1"].default_value = 1.0, 1.0, 1.0, 1.0
+    checker.inputs["Color2"].default_value = 0.0, 0.0, 0.0, 1.0
+    tree.links.new(checker.outputs["Color"], emission.inputs["Color"])
+    bpy.context.view_layer.update()
+    row, warnings = exported()
+    assert any('"Glow"' in line and "its mean lights other surfaces" in line for line in warnings)
+    np.testing.assert_allclose(row["radiance"], 2.0, atol=0.5)

@@ -10,6 +10,7 @@ _NOISY = (
     "Spot, scaled",
     "Sun, 5 degrees",
     "Area DISK, spread 60",
+    "Emissive plane, roughness 0.15",
     "Camera depth of field of glowing checks",
     "Mix, three closures",
     "World, ramp by height",

@@ -5,6 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
+from iwis.core.emitters import with_emitters
+from iwis.core.lamps import NO_LAMPS, SPHERE, make_lamps
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
 from support.scenes import (
     box,
@@ -65,6 +67,40 @@ def test_catcher_shows_the_part_of_the_light_that_arrives(pixel_filter):
     np.testing.assert_allclose(alpha, 1.0 - share.mean(axis=1), atol=0.06)
     assert abs(alpha.mean() - (1.0 - share).mean()) < 0.005
     assert film["combined"][~on_floor, 3].max() == 1.0
+
+
+@FILTERS
+@pytest.mark.parametrize("lamp", ["ball", "mesh"])
+def test_catcher_shows_the_shadow_of_a_lamp(pixel_filter, lamp):
+    """Beside a dim sky: as dark as the floor gets itself beside one without a box; elsewhere 1.
+
+    A mesh is one of the objects, as in Cycles: its light is compared with none of it, and adds to
+    what else arrives, up to 1. The picture has the mean of the colours.
+    """
+    world, rows = constant_world((0.1, 0.1, 0.1)), []
+    ball = {"kind": SPHERE, "position": (-3.0, 1.0, 4.0), "size": (0.3, 0.0), "radiance": 20.0}
+    lamps = make_lamps([ball])
+    if lamp == "mesh":
+        part = make_scene([box((-3.2, 0.8, 4.0), (-2.8, 1.2, 4.2))], [diffuse()], world, None).mesh
+        lamps = with_emitters(rows, part, np.float32([[40.0, 20.0, 10.0]]))
+
+    def picture(flags, with_box=True):
+        scene = _scene(flags, world, with_box=with_box)
+        shining = lamps if with_box or lamp == "ball" else NO_LAMPS
+        return _render(dataclasses.replace(scene, lamps=shining), pixel_filter, 1024)
+
+    plain, bare = picture(0)["combined"][..., :3], picture(0, False)["combined"][..., :3]
+    caught = picture(SHADOW_CATCHER)
+    on_floor = picture(HOLDOUT)["combined"][..., :3].sum(axis=2) == 0.0
+    assert 30 < on_floor.sum() < on_floor.size
+    share = np.minimum(plain[on_floor] / bare[on_floor], 1.0)
+    assert share.min() < 0.7 and share.max() > 0.95  # there is a shadow, and there is none
+    # Three pictures with their own noise, of 1 to 3 % each at these counts.
+    np.testing.assert_allclose(caught["shadow_catcher"][on_floor], share, atol=0.08)
+    assert abs(caught["shadow_catcher"][on_floor].mean() - share.mean()) < 0.01
+    gray = caught["shadow_catcher"][on_floor].mean(axis=1, keepdims=True)
+    seen = caught["combined"][on_floor, :3]
+    np.testing.assert_allclose(seen, np.repeat(0.1 * gray, 3, axis=1), rtol=1e-5)
 
 
 def test_catchers_throw_no_shadow_on_each_other():

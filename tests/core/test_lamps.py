@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from iwis.core.camera import CameraRays
-from iwis.core.lamp_light import ALL_LAMPS, COLUMNS, LampSamples, add_lamp_light
+from iwis.core.lamp_light import ALL_LAMPS
 from iwis.core.lamps import (
     BEAM,
     BY_DIFFUSE,
@@ -19,9 +18,8 @@ from iwis.core.lamps import (
     SUN,
     make_lamps,
 )
-from iwis.core.shading import ShadingPoints
-from iwis.core.tile_job import trace_points, with_lobes
 from support.brdf_points import eval_all
+from support.lamp_points import sampled, seen_point
 from support.scenes import (
     box,
     camera_above,
@@ -29,7 +27,6 @@ from support.scenes import (
     diffuse,
     floor,
     glossy,
-    make_job,
     make_picture,
     make_scene,
     principled,
@@ -83,30 +80,7 @@ MATERIALS = {
     "shiny": glossy(0.02, (0.9, 0.8, 0.7)),
     "paint": principled(base_color=(0.2, 0.4, 0.6), roughness=0.4),
 }
-WO = np.array([-0.6, 0.0, 0.8])  # its mirrored direction meets the middle of most lamps
 RADIANCE = (3.0, 2.0, 1.0)
-
-
-def seen_point(material, copies=1, blocker=None):
-    """(points, lobes, accel): copies of the origin, on a floor seen along -WO."""
-    parts, materials = [floor(1.0)], [material]
-    if blocker is not None:
-        parts, materials = [*parts, blocker], [*materials, material]
-    job = make_job(make_scene(parts, materials, DARK, camera_above()))
-    start, along = (10.0 * WO).astype(np.float32)[None], (-WO).astype(np.float32)[None]
-    points = trace_points(job, CameraRays(start, along, np.full(1, 1e3, np.float32)))
-    points = ShadingPoints(*(np.repeat(column, copies, axis=0) for column in points))
-    return points, with_lobes(job.scene, points).lobes, job.accel
-
-
-def sampled(rows, material, pixels=4000, numbers=4, blocker=None):
-    """float64 (pixels, 6): means over a few numbers, by lobe; pixels are independent."""
-    points, lobes, accel = seen_point(material, pixels, blocker)
-    lamps, sums = make_lamps(rows), np.zeros((pixels, COLUMNS))
-    columns, row = np.arange(pixels), np.zeros(pixels, np.int64)
-    for number in range(numbers):
-        add_lamp_light(points, lobes, lamps, accel, LampSamples(columns, row, number, 7), sums)
-    return sums[:, :6] / numbers
 
 
 def places_on(lamp):

@@ -5,6 +5,7 @@ import math
 import bpy
 
 from .cases import lit_by
+from .scene import Tree
 
 
 def _lamp(scene, kind, location, target=(0.0, 0.0, -0.4), scale=(1.0, 1.0, 1.0), **settings):
@@ -128,3 +129,87 @@ _case(
     size=1.5,
     **_AREA,
 )
+
+
+def _glowing(scene, color, strength=8.0):
+    """A material that shines, and nothing else."""
+    material = bpy.data.materials.new("Glow")
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
+    tree = Tree(material.node_tree)
+    tree.surface(tree.made("ShaderNodeEmission", 0, {"Color": color, "Strength": strength}))
+    return material
+
+
+def _emitter(name, add, make=_diffuse, world=False, sampling="AUTO", copies=1, **options):
+    """add(k): makes the mesh object k in Blender."""
+
+    def build(scene, tree):
+        material = _glowing(scene, (1.0, 0.7, 0.3))
+        material.cycles.emission_sampling = sampling
+        for k in range(copies):
+            add(k)
+            bpy.context.object.data.materials.append(material)
+        tree.surface(make(tree))
+
+    lit_by(name, build, world=world, **options)
+
+
+def _plane(_):
+    bpy.ops.mesh.primitive_plane_add(size=1.2, location=_SIDE, rotation=(0.6, -0.9, 0.3))
+
+
+def _ball(_):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=0.4, location=_ABOVE)
+
+
+def _tiny(_):
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=0.05, location=(0.2, -1.2, 0.6))
+
+
+def _row(k):
+    place = (-2.5 + 0.25 * k, -1.5, 1.6 + 0.1 * (k % 3))
+    bpy.ops.mesh.primitive_cube_add(size=0.12, location=place, rotation=(0.2 * k, 0.1, 0.3 * k))
+
+
+_emitter("Emissive plane", _plane)
+_emitter("Emissive plane, sampling NONE", _plane, sampling="NONE", samples=(64, 8192))
+_emitter("Emissive sphere of 2208 triangles", _ball)
+_emitter("Emissive sphere, tiny", _tiny)
+_emitter("Emissive cubes, twenty", _row, copies=20)
+_emitter("Emissive sphere under a world", _ball, _principled(0.4), world=True)
+for _roughness in (0.05, 0.15, 0.3):
+    _made = _principled(_roughness, Metallic=0.5)
+    _emitter(f"Emissive plane, roughness {_roughness}", _plane, _made)
+
+
+def _caught(name, add, transparent):
+    """The floor is a shadow catcher; add(scene): what throws shadows on it."""
+
+    def build(scene, tree):
+        add(scene)
+        scene.objects["Plane"].is_shadow_catcher = True
+        scene.render.film_transparent = transparent
+        tree.surface(_diffuse(tree))
+
+    lit_by(name, build, world=True, with_alpha=transparent)
+
+
+def _bright_ball(scene):
+    _lamp(scene, "POINT", _ABOVE, **_BALL | {"energy": 900.0})
+
+
+def _bright_sun(scene):
+    _lamp(scene, "SUN", _SIDE, energy=4.0, angle=0.05)
+
+
+def _bright_plane(scene):
+    _plane(0)
+    bpy.context.object.name = "Light"
+    bpy.context.object.data.materials.append(_glowing(scene, (1.0, 0.9, 0.8), 20.0))
+
+
+_caught("Shadow catcher, world alone", lambda scene: None, False)
+_caught("Shadow catcher, point", _bright_ball, False)
+_caught("Shadow catcher, sun, transparent film", _bright_sun, True)
+_caught("Shadow catcher, emissive plane, transparent film", _bright_plane, True)

@@ -1,0 +1,96 @@
+"""core/emitters.py, core/lamp_meshes.py: faces that shine light other surfaces as area lamps do."""
+
+import numpy as np
+import pytest
+
+from iwis.core.emitters import with_emitters
+from iwis.core.lamps import BLOCK, MESH, NO_LAMPS, RECTANGLE
+from iwis.core.scene import TriangleMesh
+from support.lamp_points import sampled
+from support.scenes import diffuse, glossy, principled
+from support.statistics import sidak, t_p_value
+
+RADIANCE = np.array([[0.0, 0.0, 0.0], [3.0, 2.0, 1.0]], np.float32)
+RIGHT, UP = np.array([0.8, 0.0, -0.6]), np.array([0.0, 1.0, 0.0])
+FORWARD = np.array([-0.6, 0.0, -0.8])
+MATERIALS = {
+    "diffuse": diffuse((0.8, 0.5, 0.3)),
+    "gloss": glossy(0.1, (0.9, 0.8, 0.7)),
+    "shiny": glossy(0.02, (0.9, 0.8, 0.7)),
+    "paint": principled(base_color=(0.2, 0.4, 0.6), roughness=0.4),
+}
+
+
+def sheet(steps, center=(0.8, 0.1, 1.0), width=0.6, height=0.3, turned=False, material=1):
+    """A rectangle of 2 steps^2 triangles of uneven sizes."""
+    place = np.linspace(0.0, 1.0, steps + 1) ** 1.5 - 0.5
+    u, v = (a.ravel()[:, None] for a in np.meshgrid(place * width, place * height))
+    corner = np.arange(steps * (steps + 1)).reshape(steps, steps + 1)[:, :-1].ravel()
+    one = np.stack([corner, corner + 1, corner + steps + 2], 1)
+    other = np.stack([corner, corner + steps + 2, corner + steps + 1], 1)
+    triangles = np.concatenate([one, other]).astype(np.int32)
+    return mesh_of(np.asarray(center) + u * RIGHT + v * UP, triangles[:, :: -1 if turned else 1])
+
+
+def mesh_of(vertices, triangles, material=1):
+    m = len(triangles)
+    rows = np.full(m, material, np.int32)
+    return TriangleMesh(
+        vertices=np.ascontiguousarray(vertices, np.float32),
+        triangles=np.ascontiguousarray(triangles, np.int32),
+        corner_normals=np.zeros((m, 3, 3), np.float32),
+        material_index=rows,
+        object_index=np.zeros(m, np.int32),
+    )
+
+
+def test_nothing_shines_costs_nothing():
+    """No lamp of emission 0 or less, nor of faces without area or with NaN."""
+    assert with_emitters([], sheet(2), np.zeros((2, 3), np.float32)) is NO_LAMPS
+    assert with_emitters([], sheet(2), -RADIANCE) is NO_LAMPS
+    bad = np.array([[0, 0, 0], [1, 0, 0], [np.nan, 1, 0]])
+    lamps = with_emitters([], mesh_of(bad, [[0, 1, 2], [0, 1, 1]]), RADIANCE)
+    assert len(lamps.kind) == 0
+
+
+@pytest.mark.parametrize("steps", [1, 3, 40])
+def test_lamps_hold_every_face_once(steps):
+    """Areas add up to the sheet's, in whole blocks, each within its ball; at most eight lamps."""
+    lamps = with_emitters([], sheet(steps), RADIANCE)
+    assert (lamps.kind == MESH).all() and len(lamps.kind) == (1 if steps < 4 else 8)
+    assert lamps.span[0, 0] == 0 and lamps.span[-1, 1] == len(lamps.faces.corners)
+    assert not (lamps.span % BLOCK).any()
+    np.testing.assert_array_equal(lamps.span[1:, 0], lamps.span[:-1, 1])
+    whole = lamps.faces.area[lamps.span[:, 1] - 1].sum()
+    np.testing.assert_allclose(whole, 0.6 * 0.3, rtol=1e-5)  # float32 corners
+    blocks = lamps.faces.corners.reshape(-1, BLOCK * 3, 3)
+    far = np.linalg.norm(blocks - lamps.faces.balls[:, None, :3], axis=2)
+    assert (far <= lamps.faces.balls[:, None, 3] + 1e-9).all()
+
+
+CASES = [(steps, turned, name) for steps, turned in ((1, False), (9, True)) for name in MATERIALS]
+
+
+@pytest.mark.slow
+@pytest.mark.statistical
+@pytest.mark.parametrize(("steps", "turned", "name"), CASES)
+def test_a_mesh_lights_as_a_rectangle_does(steps, turned, name):
+    """On both sides, however it is cut; t test at alpha = 1e-3 in all; 5 % more is rejected."""
+    row = {"kind": RECTANGLE, "position": (0.8, 0.1, 1.0), "size": (0.6, 0.3)}
+    row |= {"right": RIGHT, "up": UP, "forward": FORWARD, "radiance": RADIANCE[1]}
+    # The rectangle's own estimator agrees with quadrature (test_lamps.py); its error here is small.
+    expected = sampled([row], MATERIALS[name], 4000, 32).sum(1).mean()
+    lamps = with_emitters([], sheet(steps, turned=turned), RADIANCE)
+    found = sampled([], MATERIALS[name], lamps=lamps).sum(1)
+    near = abs(found.mean() / expected - 1.0) < 2e-3
+    assert near or t_p_value(found, expected) > sidak(1e-3, len(CASES)), (found.mean(), expected)
+    wrong = t_p_value(found, 1.05 * expected) < sidak(1e-3, len(CASES))
+    assert wrong or found.std() / found.mean() > 0.5
+
+
+def test_a_mirror_shows_a_mesh():
+    """A mirror that looks into a sheet of many faces has its radiance, nearly in each sample."""
+    center, ones = (0.6, 0.0, 0.8), np.array([[0.0] * 3, [1.0] * 3], np.float32)
+    lamps = with_emitters([], sheet(9, center, 0.6, 0.6), ones)
+    total = sampled([], glossy(1e-3, (1.0, 1.0, 1.0)), 500, 1, lamps=lamps)[:, 3]
+    assert abs(total.mean() - 1.0) < 0.02 and np.median(np.abs(total - 1.0)) < 0.02
