@@ -292,7 +292,8 @@ def export_section(results, pictures, link) -> list[str]:
         f"{row['table_bytes'] / n:.0f} bytes a triangle for the table, "
         f"{row['bvh_bytes'] / n:.0f} for the hierarchy ("
         f"{row['bvh_peak_bytes'] / n:.0f} while it is built), and {rest:.0f} bytes an instance. "
-        f"Peak of the export: {row['peak_bytes'] / MEGABYTE:.0f} MB. Load before: {found['load']:.1f}.",
+        f"Peak of the export: {row['peak_bytes'] / MEGABYTE:.0f} MB. "
+        f"Load before: {found['load']:.1f}.",
         "",
     ]
 

@@ -36,6 +36,7 @@ class Instance(NamedTuple):
     slots: rows of Inventory.materials, one a material slot, at least one
     terminator_offset: the object's shadow terminator geometry offset, a cosine
     flags: of Scene.object_flags
+    number: Blender's for an instance, -1 for an object that is none
     """
 
     name: str
@@ -45,6 +46,7 @@ class Instance(NamedTuple):
     pass_index: int
     terminator_offset: float
     flags: int
+    number: int
 
 
 class Look(NamedTuple):
@@ -219,8 +221,8 @@ class _Collector:
             return
         if random_id is None:
             self._named.append(len(self.inventory.looks))
-        random = (random_id or 0) & _WORD
-        self.inventory.looks.append(Look(item.color, random / _WORD, item.properties))
+        number = -1 if random_id is None else random_id & _WORD
+        self.inventory.looks.append(Look(item.color, max(number, 0) / _WORD, item.properties))
         self.inventory.instances.append(
             Instance(
                 item.name,
@@ -230,6 +232,7 @@ class _Collector:
                 item.pass_index,
                 item.terminator_offset,
                 item.flags,
+                number,
             )
         )
 

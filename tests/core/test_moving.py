@@ -9,6 +9,7 @@ from iwis.core.accel import Accel
 from iwis.core.moving_accel import MovingAccel
 from iwis.core.object_motion import ObjectMotion
 from iwis.core.pass_rays import pass_slices
+from iwis.core.poses import posed_points
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import CameraMotion
 from iwis.core.settings import RenderSettings
@@ -89,15 +90,13 @@ def test_a_slice_is_the_scene_with_its_objects_moved(moving_room, rng, number):
     still = Accel(moved_mesh(moving_room, number))
     origins = np.tile(np.float32([0.2, -0.3, 3.0]), (4000, 1))
     directions = rng.standard_normal((4000, 3)).astype(np.float32) * (0.3, 0.3, 0.1)
-    directions = (directions + (0.0, 0.0, -1.0)).astype(np.float32)
+    directions = (directions - np.array([0.0, 0.0, 1.0])).astype(np.float32)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    hit, u, v = moving.at(number).intersect(origins, directions)
+    hit, u, _ = moving.at(number).intersect(origins, directions)
     wanted, wanted_u, wanted_v = still.intersect(origins, directions)
     same = hit == wanted
     assert same.mean() > 0.998  # rays through edges may see either side
     np.testing.assert_allclose(u[same], wanted_u[same], atol=2e-4)
-    from iwis.core.poses import posed_points
-
     hit = np.where(same, hit, -1).astype(np.int32)
     found = posed_points(scene.pose, scene.mesh, hit, wanted_u, wanted_v, directions)
     points = shading_points(still.mesh, hit, wanted_u, wanted_v, directions)
@@ -146,8 +145,10 @@ def test_a_bright_square_that_passes_is_spread_as_its_time():
         (np.minimum(middle + 0.15, 0.6) - np.maximum(middle - 0.15, -0.6)) / 1.2, 0.0, 0.25
     )
     found = layers["combined"][..., 0].mean(axis=0)
-    # 128 passes of 64 slices of .019 m, half a pixel: a slice more or less is .016.
-    np.testing.assert_allclose(found, wanted, atol=0.02)
+    assert found.sum() == pytest.approx(wanted.sum(), rel=0.01)
+    # A slice of 64 more or less is .016; a column's 8 x 128 passes have a standard error of .0135.
+    np.testing.assert_allclose(found, wanted, atol=0.05)
+    assert np.abs(found - wanted).mean() < 0.0135
 
 
 @pytest.mark.slow
