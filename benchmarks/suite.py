@@ -23,7 +23,7 @@ from run_mitsuba import make_environment
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 OF_A_SCENE = ("error", "rays", "threads", "pictures")
-OF_ALL = ("scaling", "startup")
+OF_ALL = ("scaling", "startup", "export")
 
 
 def main() -> int:

@@ -3,7 +3,7 @@
 In the order of the data; a module imports only from groups with a smaller number:
 
     _parts                                          -1  how kernels are put together
-    _jit, settings, program, lamps                   0  how kernels are kept; all defaults
+    _jit, settings, program, lamps, object_motion    0  how kernels are kept; all defaults
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes,
     pace, lamp_areas, lamp_meshes
@@ -11,19 +11,19 @@ In the order of the data; a module imports only from groups with a smaller numbe
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, emitters
     lens, embree, lobes, pyramid, haar_product,      3  Embree; light; products
-    table_cache, sequence, stop_rule, tile_pool
+    table_cache, sequence, stop_rule, tile_pool, poses
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
-    sample_plan, measured, lobe_setup
+    sample_plan, measured, lobe_setup, embree_instances
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
-    light_rays, paper_tables, light_cells, lamp_light, pass_rays
+    light_rays, paper_tables, light_cells, lamp_light, pass_rays, moving_accel
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree, backdrop
     surface, opacity, unbiased, paper, develop       7  shaders at points; the two modes
     scene_rays, block_loop, reference, catchers      8  UNBIASED's loop; estimators to compare with
     two_stage, tile_job, render_cache                9  another one; a tile's work; what is kept
     merged_layers, tile_lamps, budget, warm_up,     10  closures together; BUDGET
-    silhouettes
+    silhouettes, time_slices
     pass_samples                                    11  a pass of a tile
     center_tile, filtered_tile                      12  one shading point a pixel, several
     render                                          13  the entry point

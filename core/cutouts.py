@@ -10,10 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from .nodes import Evaluation, ShadeContext
+from .poses import points_at_rest, posed_points
 from .program import Program
 from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .scene import Scene
-from .shading import ShadingPoints, shading_points
+from .shading import ShadingPoints
 
 # Surfaces that a ray goes through; the next one is opaque. Cycles' own limit is 8, and black.
 MOST_LAYERS = 64
@@ -50,7 +51,8 @@ def passing_shares(scene: Scene, points: ShadingPoints, shadow: bool = False) ->
         program = scene.shaders.programs[row]
         if program is not None and program.transparent is not None:
             which = np.flatnonzero(rows == row)
-            context = ShadeContext.of_points(scene, points.at(which), shadow)
+            at_rest = points_at_rest(scene.pose, scene.mesh, points.at(which))
+            context = ShadeContext.of_points(scene, at_rest, shadow)
             shares[which] = passing_share(program, Evaluation(program, context))
     return shares
 
@@ -70,7 +72,7 @@ def points_through(
     """
     hit, u, v = accel.intersect(origins, directions)
     offsets = scene.terminator_offset
-    points = shading_points(scene.mesh, hit, u, v, directions, offsets)
+    points = posed_points(scene.pose, scene.mesh, hit, u, v, directions, offsets)
     if cut_materials(scene) is None:
         return points
     ended = []
@@ -85,7 +87,7 @@ def points_through(
         rays = points.pixel
         starts, onward = behind(points, accel.offset)
         hit, u, v = accel.intersect(starts, onward)
-        points = shading_points(scene.mesh, hit, u, v, onward, offsets)
+        points = posed_points(scene.pose, scene.mesh, hit, u, v, onward, offsets)
         points = points._replace(pixel=rays[points.pixel])
     ended.append(points)
     found = ShadingPoints(*map(np.concatenate, zip(*ended, strict=True)))

@@ -25,7 +25,7 @@ POLL_SECONDS = 0.01
 _NATIVE_PACKETS_OF_8 = 33  # RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
 _FILTER_FUNCTIONS = 66  # RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED
 # A ray through an edge hits one of its triangles (without: one in 20 slips through).
-_ROBUST = 4
+ROBUST = 4
 _INDEX, _VERTEX, _UINT3, _FLOAT3, _TRIANGLES = 0, 1, 0x5003, 0x9003, 0
 _OUT_OF_MEMORY, _CANCELLED = 4, 6
 _ERRORS = (
@@ -41,6 +41,7 @@ _SMALLEST_PAGE = 4096
 _HANDLE, _SIZE = ctypes.c_void_p, ctypes.c_size_t
 _SIGNATURES = {
     "rtcNewDevice": (_HANDLE, [ctypes.c_char_p]),
+    "rtcRetainDevice": (None, [_HANDLE]),
     "rtcReleaseDevice": (None, [_HANDLE]),
     "rtcGetDeviceError": (ctypes.c_int, [_HANDLE]),
     "rtcGetDeviceProperty": (ctypes.c_ssize_t, [_HANDLE, ctypes.c_int]),
@@ -118,29 +119,35 @@ class EmbreeScene:
         vertices: np.ndarray,
         triangles: np.ndarray,
         shadow_filter: ShadowFilter | None = None,
+        beside: EmbreeScene | None = None,
     ):
         """Ready to be committed. vertices: float32 (n, 3); triangles: int32 (m, 3), m > 0.
 
         shadow_filter: which hits of shadow rays count; the camera's rays are not asked
+        beside: a scene whose device it shares, so that both can be parts of one more
         Both arrays are read in place. Triangles with a corner that is not finite are never hit.
         Raises OSError where there is no library, MemoryError or RuntimeError.
         """
-        self.handle = self._device = None
+        self.handle = self.device = None
         self._library = load_library()
         self._arrays = _readable(vertices), triangles  # Embree reads them, and owns nothing
         self._filter = shadow_filter
         # Not "threads=N": it would bind all users of TBB in the process, Blender's too.
-        self._device = self._library.rtcNewDevice(b"")
-        self._check()
-        self.handle = self._library.rtcNewScene(self._device)
-        self._check()
-        self._library.rtcSetSceneFlags(self.handle, _ROBUST)
+        if beside is None:
+            self.device = self._library.rtcNewDevice(b"")
+        else:
+            self._library.rtcRetainDevice(beside.device)
+            self.device = beside.device
+        self.check()
+        self.handle = self._library.rtcNewScene(self.device)
+        self.check()
+        self._library.rtcSetSceneFlags(self.handle, ROBUST)
         self._attach(*self._arrays)
-        self._check()
+        self.check()
 
     def _attach(self, vertices: np.ndarray, triangles: np.ndarray) -> None:
         library = self._library
-        geometry = library.rtcNewGeometry(self._device, _TRIANGLES)
+        geometry = library.rtcNewGeometry(self.device, _TRIANGLES)
         for kind, form, array in ((_VERTEX, _FLOAT3, vertices), (_INDEX, _UINT3, triangles)):
             library.rtcSetSharedGeometryBuffer(
                 geometry, kind, 0, form, array.ctypes.data, 0, array.strides[0], len(array)
@@ -165,7 +172,7 @@ class EmbreeScene:
 
         def build():
             self._library.rtcCommitScene(self.handle)
-            ends.append(self._library.rtcGetDeviceError(self._device))  # kept for each thread
+            ends.append(self._library.rtcGetDeviceError(self.device))  # kept for each thread
 
         # Not a daemon: an interpreter that ends would free what Embree works on.
         thread = threading.Thread(target=build, name="iwis-embree")
@@ -179,7 +186,7 @@ class EmbreeScene:
             thread.join()
             self._library.rtcSetSceneProgressMonitorFunction(self.handle, None, None)
         if ends[0] != _CANCELLED:
-            self._check(ends[0])
+            self.check(ends[0])
         return ends[0] != _CANCELLED
 
     def traversal(self) -> Traversal:
@@ -189,21 +196,22 @@ class EmbreeScene:
             ctypes.cast(getattr(library, name), _HANDLE).value
             for name in ("rtcOccluded1", "rtcOccluded8", "rtcIntersect1")
         )
-        native = library.rtcGetDeviceProperty(self._device, _NATIVE_PACKETS_OF_8)
+        native = library.rtcGetDeviceProperty(self.device, _NATIVE_PACKETS_OF_8)
         return Traversal(self.handle, one, eight if native else 0, nearest)
 
     def close(self) -> None:
         """Free the hierarchy; it must not be asked any more."""
         if self.handle:
             self._library.rtcReleaseScene(self.handle)
-        if self._device:
-            self._library.rtcReleaseDevice(self._device)
-        self.handle = self._device = self._arrays = self._filter = None
+        if self.device:
+            self._library.rtcReleaseDevice(self.device)
+        self.handle = self.device = self._arrays = self._filter = None
 
     __del__ = close
 
-    def _check(self, code: int | None = None) -> None:
-        code = self._library.rtcGetDeviceError(self._device) if code is None else code
+    def check(self, code: int | None = None) -> None:
+        """Raise what went wrong last on the device, or what a code says."""
+        code = self._library.rtcGetDeviceError(self.device) if code is None else code
         if code == _OUT_OF_MEMORY:
             raise MemoryError(f"Embree: no memory for {len(self._arrays[1])} triangles")
         if code:

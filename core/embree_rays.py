@@ -276,3 +276,22 @@ def intersect_block(traversal, origins, directions, triangle, u, v):
         if traversal.scene != 0:
             _call(traversal.intersect1, (traversal.scene, ray, 0))
         triangle[k], u[k], v[k] = get_int(ray + 68), get_float(ray + 60), get_float(ray + 64)
+
+
+@kernel
+def intersect_instances(traversal, origins, directions, triangle, instance, u, v):
+    """intersect_block in a scene of instances: triangles as each counts them, and its number,
+    int32 (n,)."""
+    ray = _stack(_RAY_HIT)
+    _put_constants(ray, 4)
+    for k in range(len(origins)):
+        o, d = origins[k], directions[k]
+        _put_ray(ray, 4, o[0], o[1], o[2], d[0], d[1], d[2])
+        _put(ray + 60, _ZERO)
+        _put(ray + 64, _ZERO)
+        for row in range(17, 21):
+            _put(ray + 4 * row, _ALL)  # no triangle, no instance
+        if traversal.scene != 0:
+            _call(traversal.intersect1, (traversal.scene, ray, 0))
+        triangle[k], u[k], v[k] = get_int(ray + 68), get_float(ray + 60), get_float(ray + 64)
+        instance[k] = get_int(ray + 76)

@@ -20,6 +20,7 @@ from .pass_rays import (
     PILOT,
     pass_numbers,
     pass_rays,
+    pass_slices,
     samples_of_a_pass,
 )
 from .pass_samples import PassSampler
@@ -155,27 +156,45 @@ class FilteredTile:
 
     def _take_pass(self, count: int) -> None:
         """One more shading point with ``count`` samples for each active pixel."""
-        points, missed, directions = self._look()
-        found = self._sampler.gather(points, count, self._passes)
+        parts = []
+        for job, looked, time in self._in_time(self._looked()):
+            points, missed, directions = self._look(job, looked, time)
+            self._sampler.look_at(job)
+            found = self._sampler.gather(points, count, self._passes)
+            parts.append((job, found, missed, directions))
         if self._passes and self._job.stop.is_set():
             return  # a pass that was cut short would darken those before it
-        self._add_world(missed, directions)
-        for add, *own in found:
-            add(*own)
+        for job, found, missed, directions in parts:
+            self._sampler.look_at(job)
+            self._add_world(missed, directions)
+            for add, *own in found:
+                add(*own)
         known = self._sampler.lamps.known(self._sums)
         close_pass(self._active, self._job.scene.transparent_film, known)
         self._passes += 1
 
-    def _look(self):
-        """The active pixels' next points: (points, pixels that see the world, their directions).
+    def _looked(self) -> np.ndarray:
+        """int32: active pixels; the first passes look through those around the tile as well."""
+        if self._passes >= PILOT:
+            return self._active
+        return np.append(self._active, np.flatnonzero(self._cell < 0).astype(np.int32))
 
-        The first passes look through the pixels around the tile as well.
-        """
-        pilot, looked = self._passes < PILOT, self._active
-        if pilot:
-            looked = np.append(looked, np.flatnonzero(self._cell < 0).astype(np.int32))
-        rays = self._rays(looked)
-        points = trace_points(self._job, rays, self._dither(looked))
+    def _in_time(self, looked):
+        """(job, pixels, time) of each slice of the shutter's time that a pass sees pixels in."""
+        if not self._job.slices:
+            yield self._job, looked, None
+            return
+        times = self._job.scene.motion.times
+        own = self._job.settings, *self._places(looked), self._passes
+        slices = pass_slices(*own, len(times))
+        for number in np.unique(slices):
+            yield self._job.slices[number], looked[slices == number], float(times[number])
+
+    def _look(self, job: Job, looked, time):
+        """The pixels' next points: (points, pixels that see the world, their directions)."""
+        pilot = self._passes < PILOT
+        rays = self._rays(looked, time)
+        points = trace_points(job, rays, self._dither(looked))
         self._primary += len(looked)
         missed = np.ones(len(looked), np.bool_)
         missed[points.pixel] = False
@@ -198,10 +217,10 @@ class FilteredTile:
         rows, columns = np.divmod(pixels.astype(np.int64), self._around.width)
         return columns + self._around.x, rows + self._around.y
 
-    def _rays(self, pixels):
+    def _rays(self, pixels, time):
         columns, rows = self._places(pixels)
         scene, settings = self._job.scene, self._job.settings
-        return pass_rays(scene.camera, settings, columns, rows, self._passes)
+        return pass_rays(scene.camera, settings, columns, rows, self._passes, time)
 
     def _add_world(self, pixels, directions) -> None:
         scene, looks = self._job.scene, directions.any(axis=1)

@@ -37,18 +37,47 @@ def samples_of_a_pass(settings: RenderSettings, camera: Camera) -> int:
 
 
 def pass_rays(
-    camera: Camera, settings: RenderSettings, columns: np.ndarray, rows: np.ndarray, number: int
+    camera: Camera,
+    settings: RenderSettings,
+    columns: np.ndarray,
+    rows: np.ndarray,
+    number: int,
+    time: float | None = None,
 ) -> CameraRays:
-    """Ray ``number`` of pixels of the frame. columns, rows: int64 (n,)"""
+    """Ray ``number`` of pixels of the frame. columns, rows: int64 (n,)
+
+    time: 0 to 1 of the shutter's time, the same for all; None: each pixel's own
+    """
     own = 0 if settings.decorrelation == "NONE" else 1
     place = own * columns, own * rows, number, settings.seed
     offsets = filter_offsets(settings.pixel_filter, settings.filter_width, unit_points(*place))
     x, y = columns + 0.5 + offsets[:, 0], rows + 0.5 + offsets[:, 1]
     lens_uv = None if camera.lens is None else unit_points(*place, LENS)
     times = None
-    if camera.motion is not None:
+    if camera.motion is not None and time is not None:
+        times = np.full(len(columns), time)
+    elif camera.motion is not None:
         times = shutter_times(camera.motion, unit_points(*place, TIME)[:, 0])
     return rays_through(camera, x, y, lens_uv, times)
+
+
+def pass_slices(settings: RenderSettings, columns, rows, number: int, slices: int) -> np.ndarray:
+    """int64 (n,): the slice of the shutter's time that ray ``number`` of pixels sees.
+
+    slices: a multiple of 4. A pixel goes through the quarters of the time in an order of its own,
+    four passes each; which slice of a quarter it is, all pixels of a pass have in common: so a pass
+    has points of four slices only, and their work is done in batches of a fair size.
+    """
+    own = 0 if settings.decorrelation == "NONE" else 1
+    u = unit_points(own * columns, own * rows, number, settings.seed, TIME)[:, 0]
+    inside = slices // 4
+    return np.minimum((u * 4.0).astype(np.int64), 3) * inside + _spread(number % inside, inside)
+
+
+def _spread(k: int, n: int) -> int:
+    """Number k of 0 ... n - 1 in an order whose beginnings are spread evenly [Corput35]."""
+    order = sorted(range(n), key=lambda i: int(f"{i:016b}"[::-1], 2))
+    return order[k]
 
 
 def pass_numbers(settings: RenderSettings, columns, rows, number: int) -> np.ndarray:

@@ -42,6 +42,11 @@ class PassSampler:
         self.lamps = TileLamps(job.scene, job.settings, job.accel, n)
         self.traced = 0
 
+    def look_at(self, job: Job) -> None:
+        """Work at another slice of the shutter's time from now on: one of job.slices."""
+        self._job = job
+        self.lamps.look_at(job.accel)
+
     def gather(self, points: ShadingPoints, count: int, number: int) -> list[tuple]:
         """Sample what pass ``number`` sees, ``count`` samples a point.
 

@@ -11,6 +11,7 @@ import os
 
 from .budget import BudgetRender
 from .center_tile import CenterTile
+from .embree_instances import can_instance
 from .film import Progress, TileSink
 from .filtered_tile import FilteredTile
 from .light_rays import Light
@@ -22,6 +23,7 @@ from .settings import RenderSettings
 from .stats import RenderStats
 from .tile_job import Job, Rect, TileWork
 from .tile_pool import run_pool
+from .time_slices import with_slices
 from .warm_up import warm_up
 from .watch import Cancelled, StopFlag, watched
 
@@ -44,11 +46,17 @@ def render(
         # Its tables are made for a material as a whole: MaterialParams holds means.
         scene = dataclasses.replace(scene, shaders=None)
         stats.warnings.append("Mode PAPER shows textures and mixtures by one mean value a material")
-    if settings.pixel_filter == "CENTER" and (scene.camera.lens or scene.camera.motion):
+    if settings.pixel_filter == "CENTER" and (
+        scene.camera.lens or scene.camera.motion or scene.motion
+    ):
         stats.warnings.append(
-            "Pixel Filter Center takes one point a pixel: no depth of field and no motion blur of "
-            "the camera; choose Blackman-Harris or Box"
+            "Pixel Filter Center takes one point a pixel: no depth of field and no motion blur; "
+            "choose Blackman-Harris or Box"
         )
+        scene = dataclasses.replace(scene, motion=None)
+    elif scene.motion is not None and not can_instance():
+        stats.warnings.append("Embree's own interface is missing: moving objects stand still")
+        scene = dataclasses.replace(scene, motion=None)
     stop = StopFlag()
     threads = worker_count(settings)
     accel = light = tables = None
@@ -62,7 +70,7 @@ def render(
         return stats
     sequence = common_points(settings.max_samples, settings.point_set)
     seen = cache.backdrop(scene)
-    job = Job(scene, settings, accel, light, tables, sequence, stop, seen)
+    job = with_slices(Job(scene, settings, accel, light, tables, sequence, stop, seen))
     if settings.stop_rule == "BUDGET":
         _render_budget(job, threads, sink, stats)
     else:

@@ -10,6 +10,7 @@ from .environment import make_lookup
 from .light_cache import light_key, load_light, save_light
 from .light_rays import Light, make_light
 from .light_tree import build_pyramid
+from .moving_accel import MovingAccel
 from .paper_tables import PaperTables, TableBuilder
 from .pyramid import LightPyramid
 from .scene import EnvironmentMap, Scene, TriangleMesh
@@ -44,6 +45,8 @@ class RenderCache:
 
     def rays(self, scene: Scene, cancelled=lambda: False) -> Accel | SceneRays:
         """What the rays of a scene meet: its Accel, or several where not all see the same."""
+        if scene.motion is not None:
+            return self._moving_rays(scene, cancelled)
         masks, parts = ray_masks(scene), self._parts
         if masks is None:
             self._parts = None
@@ -52,6 +55,14 @@ class RenderCache:
             self._accel = self._parts = parts = None
             self._parts = parts = RayParts(scene.mesh, masks, cancelled)
         return SceneRays(scene, parts)
+
+    def _moving_rays(self, scene: Scene, cancelled) -> MovingAccel | SceneRays:
+        """Of a scene whose objects move: nothing of it is kept for the next frame."""
+        self._accel = self._parts = None
+        masks = ray_masks(scene)
+        if masks is None:
+            return MovingAccel(scene.mesh, scene.motion, cancelled)
+        return SceneRays(scene, RayParts(scene.mesh, masks, cancelled, scene.motion))
 
     def light(
         self,

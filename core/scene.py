@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .lamps import NO_LAMPS, Lamps
+from .object_motion import ObjectMotion, Pose
 from .program import Shaders, WorldProgram
 
 EQUIRECTANGULAR, MIRROR_BALL = "EQUIRECTANGULAR", "MIRROR_BALL"
@@ -246,6 +247,8 @@ class Scene:
     exposure: factor of the film
     measured: the BRDFs that materials of model MEASURED name by their row
     lamps: what lights the scene beside its environment
+    motion: of objects while the shutter is open; pose: the slice of it that a copy of the scene
+        stands for, made by time_slices.py
     """
 
     mesh: TriangleMesh
@@ -262,8 +265,12 @@ class Scene:
     exposure: float = 1.0
     measured: MeasuredBrdfs = NO_MEASURED
     lamps: Lamps = NO_LAMPS
+    motion: ObjectMotion | None = None
+    pose: Pose | None = None
 
     def __post_init__(self):
+        if self.pose is not None:  # a copy of what has been checked
+            return
         rows = self.materials.distribution[self.materials.model == MEASURED]
         if len(rows) and not 0 <= rows.min() <= rows.max() < len(self.measured.values):
             raise ValueError("a material names a measured BRDF that is not there")

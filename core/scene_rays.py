@@ -7,6 +7,7 @@ hits are looked at one by one.
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 
 import numpy as np
@@ -15,9 +16,18 @@ from .accel import MISS, Accel
 from .cutouts import MOST_LAYERS, behind, cut_materials, drawn_numbers, passing_shares
 from .embree import can_filter
 from .embree_filter import Opacity
+from .moving_accel import MovingAccel
+from .object_motion import ObjectMotion
 from .opacity import bake_opacity, can_bake
-from .scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS, Scene, TriangleMesh
-from .shading import shading_points
+from .poses import posed_points
+from .scene import (
+    CAMERA_RAYS,
+    HOLDOUT,
+    SHADOW_CATCHER,
+    SHADOW_RAYS,
+    Scene,
+    TriangleMesh,
+)
 
 
 @dataclasses.dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +88,7 @@ def ray_masks(scene: Scene) -> RayMasks | None:
 class PartAccel:
     """The hierarchy of some of a mesh's triangles."""
 
-    def __init__(self, mesh: TriangleMesh, mask: np.ndarray, cancelled, opacity=None):
+    def __init__(self, mesh: TriangleMesh, mask: np.ndarray, cancelled, opacity=None, motion=None):
         self.rows = None if mask.all() else np.flatnonzero(mask).astype(np.int32)
         if self.rows is not None:
             mesh = TriangleMesh(
@@ -90,7 +100,16 @@ class PartAccel:
             )
             if opacity is not None:
                 opacity = opacity._replace(row=opacity.row[self.rows])
-        self.accel = Accel(mesh, cancelled, opacity)
+        if motion is None:
+            self.accel = Accel(mesh, cancelled, opacity)
+        else:
+            self.accel = MovingAccel(mesh, motion, cancelled, opacity)
+
+    def at(self, number: int) -> PartAccel:
+        """The same at a slice of the shutter's time."""
+        other = copy.copy(self)
+        other.accel = self.accel.at(number)
+        return other
 
     def intersect(self, origins, directions):
         """See Accel; triangles are counted as in the whole mesh."""
@@ -103,15 +122,32 @@ class PartAccel:
 class RayParts:
     """The hierarchies that masks ask for; equal ones are built once."""
 
-    def __init__(self, mesh: TriangleMesh, masks: RayMasks, cancelled=lambda: False):
+    def __init__(
+        self,
+        mesh: TriangleMesh,
+        masks: RayMasks,
+        cancelled=lambda: False,
+        motion: ObjectMotion | None = None,
+    ):
+        def part(mask, opacity=None):
+            return PartAccel(mesh, mask, cancelled, opacity, motion)
+
         self.mesh, self.masks = mesh, masks
-        self.solid = PartAccel(mesh, masks.solid, cancelled, masks.opacity)
+        self.solid = part(masks.solid, masks.opacity)
         same = np.array_equal(masks.camera, masks.solid)
-        self.camera = self.solid if same else PartAccel(mesh, masks.camera, cancelled)
-        self.cut = PartAccel(mesh, masks.cut, cancelled) if masks.cut.any() else None
+        self.camera = self.solid if same else part(masks.camera)
+        self.cut = part(masks.cut) if masks.cut.any() else None
         self.others = self.solid
         if masks.catcher.any():
-            self.others = PartAccel(mesh, masks.solid & ~masks.catcher, cancelled, masks.opacity)
+            self.others = part(masks.solid & ~masks.catcher, masks.opacity)
+
+    def at(self, number: int) -> RayParts:
+        """The same at a slice of the shutter's time."""
+        other = copy.copy(self)
+        for name in ("solid", "camera", "cut", "others"):
+            own = getattr(self, name)
+            setattr(other, name, None if own is None else own.at(number))
+        return other
 
 
 class SceneRays:
@@ -124,6 +160,10 @@ class SceneRays:
         self.mesh, self.offset = scene.mesh, parts.camera.accel.offset
         self.traversal = self._solid.accel.traversal
         self.by_rays = parts.cut is not None
+
+    def at(self, number: int, scene: Scene) -> SceneRays:
+        """The same at a slice of the shutter's time, of which ``scene`` is."""
+        return SceneRays(scene, self._parts.at(number))
 
     @property
     def without_catchers(self) -> SceneRays:
@@ -146,7 +186,7 @@ class SceneRays:
         reach = np.full(len(rays), np.inf, np.float32) if reach is None else reach[rays]
         for _ in range(MOST_LAYERS):
             hit, u, v = self._parts.cut.intersect(origins, directions)
-            points = shading_points(self._scene.mesh, hit, u, v, directions)
+            points = posed_points(self._scene.pose, self._scene.mesh, hit, u, v, directions)
             way = points.position - origins[points.pixel]
             reach = reach[points.pixel] - _length(way) / _length(directions[points.pixel])
             points, reach = points.at(reach > 0.0), reach[reach > 0.0]

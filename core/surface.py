@@ -14,6 +14,7 @@ from .cutouts import opacity_gain
 from .lobe_setup import setup_lobes
 from .lobes import Lobes
 from .nodes import Evaluation, ShadeContext
+from .poses import points_at_rest, posed_normals
 from .program import Program
 from .scene import MaterialParams, Scene
 from .shading import ShadingPoints, params_at
@@ -79,7 +80,7 @@ def surface_lobes(scene: Scene, points: ShadingPoints) -> Lobes:
     weight, with the weight of all."""
     columns = _Columns(scene, points)
     for which, program, context in _materials_of(scene, points):
-        layers, glow = _evaluate(program, context, which)
+        layers, glow = _evaluate(program, context, which, scene.pose)
         columns.params.emission[which] = glow
         picked, layers = _heaviest(layers)
         for k, layer in enumerate(layers):
@@ -98,7 +99,7 @@ def closure_layers(scene: Scene, points: ShadingPoints) -> list[tuple[np.ndarray
     glow = scene.materials.emission[scene.mesh.material_index[points.triangle]]
     found: list[list[_Layer]] = [[]]
     for which, program, context in _materials_of(scene, points):
-        layers, glow[which] = _evaluate(program, context, which)
+        layers, glow[which] = _evaluate(program, context, which, scene.pose)
         for k, layer in enumerate(_packed(layers)):
             if k == len(found):
                 found.append([])
@@ -123,7 +124,8 @@ def _packed(layers: list[_Layer]) -> list[_Layer]:
 def _materials_of(scene: Scene, points: ShadingPoints):
     """(rows of the points, program, context) of each material that has a program."""
     rows = scene.mesh.material_index[points.triangle]
-    context = ShadeContext.of_points(scene, points)
+    at_rest = points_at_rest(scene.pose, scene.mesh, points)
+    context = ShadeContext.of_points(scene, at_rest)
     for row in np.unique(rows):
         program = scene.shaders.programs[row]
         if program is not None:
@@ -131,7 +133,7 @@ def _materials_of(scene: Scene, points: ShadingPoints):
             yield which, program, context.take(which)
 
 
-def _evaluate(program: Program, context, which) -> tuple[list[_Layer], np.ndarray]:
+def _evaluate(program: Program, context, which, pose) -> tuple[list[_Layer], np.ndarray]:
     """The closures of one material's points, and what these emit: negative too, as in Cycles."""
     evaluation = Evaluation(program, context)
     opaque = opacity_gain(program, evaluation, len(which))
@@ -143,6 +145,8 @@ def _evaluate(program: Program, context, which) -> tuple[list[_Layer], np.ndarra
         }
         weight = np.maximum(evaluation.vector(closure.weight), 0.0) * opaque
         normal = None if closure.normal is None else evaluation.vector(closure.normal)
+        if normal is not None:
+            normal = posed_normals(pose, context.mesh, context.triangle, normal)
         layers.append(_Layer((closure.model, closure.distribution), which, weight, normal, params))
     glow = 0.0 if program.emission is None else evaluation.vector(program.emission) * opaque
     return layers, glow

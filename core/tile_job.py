@@ -47,6 +47,7 @@ class Job:
 
     sequence: uint32 (max_samples, 2), of sequence.common_points
     backdrop: of Scene.backdrop; None where there is none
+    slices: the same at each slice of the shutter's time, where objects move
     """
 
     scene: Scene
@@ -57,6 +58,7 @@ class Job:
     sequence: np.ndarray
     stop: StopFlag
     backdrop: Backdrop | None = None
+    slices: tuple[Job, ...] = ()
 
     @property
     def seen_world(self) -> Backdrop:

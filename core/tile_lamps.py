@@ -54,6 +54,10 @@ class TileLamps:
         self._of_a_pass = min(1 << (few.bit_length() - 1), _MOST_OF_A_PASS)
         self.traced = 0
 
+    def look_at(self, accel: Accel) -> None:
+        """Trace shadow rays there from now on."""
+        self._accel = accel
+
     def add_pass(self, layers: list[ClosureLayer], places, number: int, sums) -> None:
         """Add a pass's points to their pixels, and their light to what the stop rule sees of it.
 

@@ -250,3 +250,20 @@ def test_names_of_configurations_are_their_own():
     names = [configuration.name for configuration in CONFIGURATIONS]
     assert len(set(names)) == len(names)
     assert CONFIGURATIONS[0].value(3) == 32
+
+
+@pytest.mark.slow
+def test_export_bench_sees_what_it_measures():
+    """In small: the triangles asked for, a table a triangle, and figures for the next frame."""
+    pytest.importorskip("bpy")
+    import bench_export
+
+    found = {
+        name: bench_export._in_own_process(name, 200) for name in ("moving_triangles", "instances")
+    }
+    assert found["moving_triangles"]["triangles"] == 212
+    assert found["moving_triangles"]["next_wall"] > 0.0
+    places = found["instances"]["objects"]
+    assert found["instances"]["triangles"] == 12 * places
+    # A triangle: 3 corners, 9 normals, 2 rows; 8 vertices for 12 triangles.
+    assert found["instances"]["table_bytes"] == 12 * places * 56 + 8 * places * 12

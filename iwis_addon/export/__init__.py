@@ -4,7 +4,7 @@ errors                       what can stop an export
 local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
 camera, panorama, lamps,     the other parts of a Scene
 world
-motion                       the camera at other times, where the shutter is open
+motion, object_motion        camera and objects at other times, where the shutter is open
 material, shader_reader      shader nodes to rows of materials, and to closures of programs
 program_builder, ..._nodes, ..._images, surface_data
                              value nodes to operations, with all that these look up
@@ -46,18 +46,22 @@ def export_scene(
     cancelled=lambda: False,
     camera=None,
     live: LiveExport | None = None,
+    instances: list | None = None,
 ) -> Scene:
     """All that one picture of the graph's scene and view layer needs.
 
     region: as for export_camera; cache: as for export_mesh and read_world
     camera: a core.scene.Camera in place of the scene's; live: what of a window need not be read
     warnings: gets one line for all that is rendered otherwise than Cycles would
+    instances: gets the Instance of each row of the scene's objects
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
     camera = camera or export_camera(depsgraph, warnings, region=region)
     keep = (live or LiveExport()).keep
     least_height = None if live is None else LEAST_IN_WINDOW
     geometry = export_mesh(depsgraph, warnings, cache, cancelled)
+    if instances is not None:
+        instances.extend(geometry.inventory.instances)
     texels = None if cache is None else cache.texels
     materials, measured = keep(
         "materials",

@@ -8,6 +8,7 @@ instance of type MESH, the mesh that it evaluates to: only the latter is taken.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from .errors import ExportCancelled
 from .lamps import read_lamp
 from .local_mesh import LiveMeshes, LocalMesh, read_mesh
 
+_WORD = 0xFFFFFFFF
 UNSUPPORTED_TYPES = {
     "CURVES": "hair curves",
     "POINTCLOUD": "point clouds",
@@ -34,6 +36,7 @@ class Instance(NamedTuple):
     slots: rows of Inventory.materials, one a material slot, at least one
     terminator_offset: the object's shadow terminator geometry offset, a cosine
     flags: of Scene.object_flags
+    number: Blender's for an instance, -1 for an object that is none
     """
 
     name: str
@@ -43,6 +46,7 @@ class Instance(NamedTuple):
     pass_index: int
     terminator_offset: float
     flags: int
+    number: int
 
 
 class Look(NamedTuple):
@@ -73,12 +77,15 @@ class Inventory(NamedTuple):
     lamps: list[dict]
 
 
-def random_of_name(name: str) -> int:
-    """What Cycles takes for the random number of an object that is no instance, 32 bits."""
-    word = 0
-    for byte in name.encode():
-        word = (word * 37 + byte) & 0xFFFFFFFF
-    return int(hash_words(np.array([word], np.uint32), np.zeros(1, np.uint32))[0])
+def random_of_names(names: list[str]) -> np.ndarray:
+    """What Cycles takes for the random numbers of objects that are no instances: uint32 (n,)."""
+    words = np.zeros(len(names), np.uint32)
+    for row, name in enumerate(names):
+        word = 0
+        for byte in name.encode():
+            word = (word * 37 + byte) & 0xFFFFFFFF
+        words[row] = word
+    return hash_words(words, np.zeros_like(words))
 
 
 def _flags_of(obj) -> int:
@@ -90,6 +97,19 @@ def _flags_of(obj) -> int:
         (obj.is_shadow_catcher, SHADOW_CATCHER),
     )
     return sum(bit for there, bit in flags if there)
+
+
+class _Item(NamedTuple):
+    """What all instances of one object with one mesh have in common; part: None = no face."""
+
+    part: int | None
+    name: str
+    slots: tuple[int, ...]
+    pass_index: int
+    terminator_offset: float
+    flags: int
+    color: tuple
+    properties: dict
 
 
 class _Ignored:
@@ -119,6 +139,8 @@ class _Collector:
         self._override = depsgraph.view_layer_eval.material_override
         self._material_rows: dict[int, int] = {}
         self._parts: dict[tuple[int, int], tuple[int | None, list[int]]] = {}
+        self._items: dict[tuple[int, ...], _Item] = {}
+        self._named: list[int] = []  # rows whose random number comes from their name
         self.inventory = Inventory([], [], [], [], [], [])
         self.ignored, self.lamp_warnings = _Ignored(), []
 
@@ -170,31 +192,57 @@ class _Collector:
                 obj.to_mesh_clear()
         return self._parts[key]
 
-    def _add_mesh(self, obj, owner, object_to_world, random_id):
-        if not obj.visible_camera and not obj.visible_shadow:
-            return  # neither a camera ray nor a shadow ray, the only two kinds that there are
+    def _item(self, obj, owner) -> _Item:
+        """Of hundreds of thousands of instances each property of Blender's is asked once."""
         part, data_rows = self._part(obj, owner)
-        if part is None:
+        return _Item(
+            part,
+            obj.name,
+            () if part is None else self._slots(obj, data_rows),
+            obj.pass_index,
+            obj.shadow_terminator_geometry_offset,
+            _flags_of(obj),
+            tuple(obj.color),
+            dict(obj.items()) if obj.keys() else {},
+        )
+
+    def _add_mesh(self, obj, owner, object_to_world, random_id):
+        key = obj.original.as_pointer(), owner.original.as_pointer(), obj.data.as_pointer()
+        item = self._items.get(key)
+        if item is None:
+            if not obj.visible_camera and not obj.visible_shadow:
+                return  # neither a camera ray nor a shadow ray, the only two kinds that there are
+            item = self._items[key] = self._item(obj, owner)
+        if item.part is None:
             return
         matrix = np.array(object_to_world, np.float64)
-        if not np.isfinite(matrix).all():
-            self.ignored.add("Not rendered, the object's transform is not finite", obj.name)
+        if not math.isfinite(matrix.sum()):
+            self.ignored.add("Not rendered, the object's transform is not finite", item.name)
             return
-        slots = self._slots(obj, data_rows)
-        properties = dict(obj.items()) if obj.keys() else {}
-        random = (random_of_name(obj.name) if random_id is None else random_id) & 0xFFFFFFFF
-        self.inventory.looks.append(Look(tuple(obj.color), random / 0xFFFFFFFF, properties))
+        if random_id is None:
+            self._named.append(len(self.inventory.looks))
+        number = -1 if random_id is None else random_id & _WORD
+        self.inventory.looks.append(Look(item.color, max(number, 0) / _WORD, item.properties))
         self.inventory.instances.append(
             Instance(
-                obj.name,
-                part,
+                item.name,
+                item.part,
                 matrix,
-                slots,
-                obj.pass_index,
-                obj.shadow_terminator_geometry_offset,
-                _flags_of(obj),
+                item.slots,
+                item.pass_index,
+                item.terminator_offset,
+                item.flags,
+                number,
             )
         )
+
+    def finish(self) -> Inventory:
+        """All that was taken, with the random numbers that come from names."""
+        instances, looks = self.inventory.instances, self.inventory.looks
+        numbers = random_of_names([instances[row].name for row in self._named])
+        for row, number in zip(self._named, numbers.tolist(), strict=True):
+            looks[row] = looks[row]._replace(random=number / _WORD)
+        return self.inventory
 
     def add(self, item):
         """Take one of depsgraph.object_instances."""
@@ -243,4 +291,4 @@ def collect_instances(
             collector.add(item)
     warnings.extend(collector.ignored.messages())
     warnings.extend(collector.lamp_warnings)
-    return collector.inventory
+    return collector.finish()

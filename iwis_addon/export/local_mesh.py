@@ -24,6 +24,7 @@ class LocalMesh(NamedTuple):
     normal_index: int32 (m, 3), row of normals for each corner of each triangle; None as normals
     flat: bool (m,), triangles with their geometric normal all the same; None where none is
     slots: int32 (m,), material slot, never negative; None where all are 0
+    corners: int32 (m, 3), the mesh's face corners of each triangle
     digest: bytes that two meshes share only if all of the above is equal; empty if not asked for
     """
 
@@ -33,6 +34,7 @@ class LocalMesh(NamedTuple):
     normal_index: np.ndarray | None
     flat: np.ndarray | None
     slots: np.ndarray | None
+    corners: np.ndarray
     digest: bytes
 
 
@@ -179,7 +181,9 @@ def _derive(mesh, source: _Source, digest: bytes) -> LocalMesh:
         faces = _face_of_triangle(source, len(mesh.polygons))
         flat = None if flat is None else flat[faces]
         slots = None if slots is None else np.maximum(slots, 0)[faces]
-    return LocalMesh(source.positions, triangles, normals, normal_index, flat, slots, digest)
+    return LocalMesh(
+        source.positions, triangles, normals, normal_index, flat, slots, corners, digest
+    )
 
 
 def read_mesh(

@@ -8,14 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...core.scene import TriangleMesh
-from .errors import ExportError
 from .instances import Inventory, collect_instances
 from .local_mesh import LiveMeshes, LocalMesh
-from .placement import place_instances, usable_vertices
+from .mesh_size import check_size
+from .placement import Placed, move_instances, place_instances
 from .texel_cache import TexelCache
+from .triangle_normals import usable_vertices
 
-# The corners of all triangles, three each, are counted in int32.
-MOST_TRIANGLES = (1 << 31) // 3
 # Metres from the origin where float32 has steps of a centimetre: small triangles lose their area.
 _FAR = 1e5
 
@@ -41,6 +40,27 @@ class MeshExport(NamedTuple):
     kept: tuple[np.ndarray, np.ndarray] | None
 
 
+class _Merged(NamedTuple):
+    """A mesh table; kept: as in MeshExport; placed: None where triangles were left out."""
+
+    mesh: TriangleMesh
+    kept: tuple[np.ndarray, np.ndarray] | None
+    placed: Placed | None
+
+
+class _Key(NamedTuple):
+    """What an instance's triangles follow from."""
+
+    name: str
+    digest: bytes
+    slots: tuple[int, ...]
+    object_to_world: bytes
+
+    @property
+    def but_place(self):
+        return self[:3]
+
+
 class ExportCache:
     """Geometry and texels of the last frame, so that the next one copies only what has changed.
 
@@ -54,6 +74,7 @@ class ExportCache:
         self.parts: dict[bytes, LocalMesh] = {}
         self.key = None
         self.mesh: TriangleMesh | None = None
+        self.placed: Placed | None = None  # only where all of it is in mesh
         self.kept: tuple[np.ndarray, np.ndarray] | None = None
         self.warnings: list[str] = []
         self.texels = TexelCache()
@@ -61,9 +82,21 @@ class ExportCache:
         self.live: LiveMeshes | None = None
         self.shown = None
 
-    def remember(self, key, parts, mesh, kept, warnings):
+    def remember(self, key, parts, merged: _Merged, warnings):
         self.parts = {part.digest: part for part in parts}
-        self.key, self.mesh, self.kept, self.warnings = key, mesh, kept, warnings
+        self.key, self.warnings = key, warnings
+        self.mesh, self.kept, self.placed = merged
+
+    def moved(self, key, inventory: Inventory) -> _Merged | None:
+        """What the last frame had, but for the matrices of less than half of its instances."""
+        before = self.key
+        if self.placed is None or len(before) != len(key):
+            return None
+        rows = [row for row, new in enumerate(key) if new != before[row]]
+        if 2 * len(rows) > len(key) or any(key[r].but_place != before[r].but_place for r in rows):
+            return None
+        placed = move_instances(self.placed, inventory, rows)
+        return None if placed is None else _Merged(placed.mesh, None, placed)
 
 
 def _drop_triangles(mesh: TriangleMesh, keep, instances, warnings) -> TriangleMesh:
@@ -95,21 +128,6 @@ def _drop_triangles(mesh: TriangleMesh, keep, instances, warnings) -> TriangleMe
     )
 
 
-def _check_size(inventory: Inventory):
-    parts, shares = inventory.parts, defaultdict(int)
-    for instance in inventory.instances:
-        part = parts[instance.part]
-        shares[instance.name] += max(len(part.triangles), len(part.positions))
-    total = sum(shares.values())
-    if total > MOST_TRIANGLES:
-        name = max(shares, key=shares.get)
-        raise ExportError(
-            f"The scene has {total:,} triangles with all its instances; the most is "
-            f"{MOST_TRIANGLES:,}. Object {name} has {shares[name]:,} of them: reduce its copies or "
-            f"its subdivision, or hide it from renders"
-        )
-
-
 def _material_users(inventory: Inventory) -> list[list[str]]:
     users: list[dict[str, None]] = [{} for _ in inventory.materials]
     for instance in inventory.instances:
@@ -118,12 +136,14 @@ def _material_users(inventory: Inventory) -> list[list[str]]:
     return list(map(list, users))
 
 
-def _merge(inventory: Inventory, warnings, cancelled):
-    """(mesh, MeshExport.kept)."""
-    _check_size(inventory)
-    mesh, has_area = place_instances(inventory, cancelled)
-    kept = None if has_area.all() else (has_area, mesh.object_index)
-    return _drop_triangles(mesh, has_area, inventory.instances, warnings), kept
+def _merge(inventory: Inventory, warnings, cancelled) -> _Merged:
+    check_size(inventory)
+    placed = place_instances(inventory, cancelled)
+    mesh, usable = placed.mesh, placed.usable
+    if usable.all():
+        return _Merged(mesh, None, placed)
+    kept = usable, mesh.object_index
+    return _Merged(_drop_triangles(mesh, usable, inventory.instances, warnings), kept, None)
 
 
 def export_mesh(
@@ -144,11 +164,14 @@ def export_mesh(
     flags = np.array([instance.flags for instance in instances], np.uint8)
     rest = inventory.materials, _material_users(inventory), pass_index, lift, flags
     if cache is None:
-        mesh, kept = _merge(inventory, warnings, cancelled)
+        mesh, kept, _ = _merge(inventory, warnings, cancelled)
         return MeshExport(mesh, *rest, inventory, kept)
-    key = [(i.name, parts[i.part].digest, i.object_to_world.tobytes(), i.slots) for i in instances]
+    key = [
+        _Key(i.name, parts[i.part].digest, i.slots, i.object_to_world.tobytes()) for i in instances
+    ]
     if cache.mesh is None or key != cache.key:
         lines: list[str] = []
-        cache.remember(key, parts, *_merge(inventory, lines, cancelled), lines)
+        merged = cache.moved(key, inventory) or _merge(inventory, lines, cancelled)
+        cache.remember(key, parts, merged, lines)
     warnings.extend(cache.warnings)
     return MeshExport(cache.mesh, *rest, inventory, cache.kept)

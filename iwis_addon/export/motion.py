@@ -1,8 +1,8 @@
-"""The camera's motion while the shutter is open, read as Cycles reads it.
+"""The motion of camera and objects while the shutter is open, read as Cycles reads it.
 
 Blender is set to frames and parts of frames around the middle of the shutter's time, where all else
-is exported, and back. The camera's own Motion Blur settings (object properties, Cycles) say at how
-many times its place is read; between two of them it turns evenly.
+is exported, and back. The Motion Blur settings of camera and objects (object properties, Cycles)
+say at how many times their places are read; between two of them a camera turns evenly.
 """
 
 from __future__ import annotations
@@ -17,36 +17,43 @@ from mathutils import Matrix
 
 from ...core.scene import PERSPECTIVE, Camera, CameraMotion, Scene
 from .camera import camera_matrix, camera_optics
+from .instances import Instance
+from .object_motion import Motions, object_motion, read_places, read_steps, steps_of
 
 # The middle of the shutter's time, in units of it, from the frame.
 _MIDDLE = {"START": 0.5, "CENTER": 0.0, "END": -0.5}
 _CURVE_POINTS = 257
 # Between two places of the table the matrix is interpolated: after a degree it is off by 4e-5.
 _STEP_RAD, _MOST_STEPS = math.radians(1.0), 64
-_WITHOUT_SURFACE = {"CAMERA", "LIGHT", "EMPTY", "ARMATURE", "SPEAKER", "LATTICE", "LIGHT_PROBE"}
 
 
-def export_in_motion(engine, depsgraph, warnings: list[str], export: Callable[[], Scene]) -> Scene:
-    """What export() gives in the middle of the shutter's time, its camera with its motion.
+def export_in_motion(engine, depsgraph, warnings: list[str], export: Callable[..., Scene]) -> Scene:
+    """What export() gives in the middle of the shutter's time, with motion of camera and objects.
 
     engine: the RenderEngine, whose frame_set moves depsgraph and scene; they are set back. Without
-    motion blur nothing is moved. warnings: gets a line where objects move, which are not blurred
+    motion blur nothing is moved. export(instances=[]): fills in what the scene's objects are
+    warnings: gets a line where objects move that cannot be blurred
     """
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     layer = depsgraph.view_layer_eval
+    instances: list[Instance] = []
     if not render.use_motion_blur or not getattr(layer, "use_motion_blur", True):
-        return export()
+        return export(instances=instances)
     now = scene.frame_current + scene.frame_subframe
     middle = now + _MIDDLE[render.motion_blur_position] * render.motion_blur_shutter
     try:
         if middle != now:
             _go_to(engine, middle)
-        exported = export()
-        motion = _camera_motion(engine, depsgraph, exported.camera, middle, warnings)
+        exported = export(instances=instances)
+        camera, objects = _motions(engine, depsgraph, exported.camera, middle)
     finally:
         _go_to(engine, now)
+    times = shutter_times(render)
+    moved, still = object_motion(instances, objects, times)
+    _tell(depsgraph.scene_eval, still, warnings)
+    motion = _as_table(*camera, times, keep=moved is not None)
     camera = dataclasses.replace(exported.camera, motion=motion)
-    return dataclasses.replace(exported, camera=camera)
+    return dataclasses.replace(exported, camera=camera, motion=moved)
 
 
 def _go_to(engine, time: float) -> None:
@@ -54,39 +61,42 @@ def _go_to(engine, time: float) -> None:
     engine.frame_set(frame, time - frame)
 
 
-def _camera_motion(engine, depsgraph, middle: Camera, time: float, warnings) -> CameraMotion | None:
-    """None where the camera stands still."""
-    scene = depsgraph.scene_eval
-    own = getattr(scene.camera, "cycles", None)
-    moves = own is None or own.use_motion_blur
-    steps = (2 << (max(own.motion_steps if own else 1, 1) - 1)) + 1 if moves else 3
-    half = 0.5 * scene.render.motion_blur_shutter
-    matrices, windows, places = [], [], []
-    for relative in np.linspace(-1.0, 1.0, steps):
+def _motions(engine, depsgraph, middle: Camera, time: float):
+    """((matrices, windows) of the camera at its steps, Motions of the objects)."""
+    steps = read_steps(depsgraph)
+    camera_steps = steps_of(getattr(depsgraph.scene_eval.camera, "cycles", None))
+    most = max(camera_steps, *steps.values(), 3)
+    half = 0.5 * depsgraph.scene_eval.render.motion_blur_shutter
+    cameras, places = [], []
+    for relative in np.linspace(-1.0, 1.0, most):
         if relative != 0.0:
             _go_to(engine, time + relative * half)
-        if abs(relative) == 1.0:
-            places.append(_places(depsgraph))
-        if not moves:
-            continue
-        if relative == 0.0:  # the graph stands elsewhere: this is what was exported
-            matrices.append(middle.camera_to_world)
-            windows.append(middle.window)
-            continue
-        camera = depsgraph.scene_eval.camera
-        matrices.append(camera_matrix(camera))
-        windows.append(camera_optics(camera, depsgraph.scene_eval.render, [])["window"])
-    _tell(scene, places, warnings)
-    if not moves:
-        return None
+            cameras.append(_camera_now(depsgraph))
+            places.append(read_places(depsgraph, steps))
+        else:  # the graph stands elsewhere: this is what was exported
+            cameras.append((middle.camera_to_world, middle.window))
+            places.append(None)
+    if camera_steps:
+        cameras = cameras[:: (most - 1) // (camera_steps - 1)]
+    else:
+        cameras = [(middle.camera_to_world, middle.window)]
+    matrices, windows = zip(*cameras, strict=True)
     if middle.kind != PERSPECTIVE:  # Cycles blurs no other change of what the frame shows
-        windows = [middle.window] * steps
-    return _as_table(matrices, windows, shutter_times(scene.render))
+        windows = [middle.window] * len(windows)
+    return (list(matrices), list(windows)), Motions(steps, places)
 
 
-def _as_table(matrices, windows, times) -> CameraMotion | None:
+def _camera_now(depsgraph):
+    camera = depsgraph.scene_eval.camera
+    return camera_matrix(camera), camera_optics(camera, depsgraph.scene_eval.render, [])["window"]
+
+
+def _as_table(matrices, windows, times, keep: bool) -> CameraMotion | None:
+    """None where the camera stands still; keep: not then either, for objects move before it."""
     if np.allclose(matrices, matrices[:1], atol=1e-9) and np.allclose(windows, windows[0]):
-        return None
+        if not keep:
+            return None
+        return CameraMotion(np.array(matrices[:1]), np.array(windows[:1], np.float64), times)
     parts = [Matrix(matrix).decompose() for matrix in matrices]
     pairs = list(itertools.pairwise(parts))
     angle = max(a[1].rotation_difference(b[1]).angle for a, b in pairs)
@@ -116,23 +126,12 @@ def shutter_times(render) -> np.ndarray:
     return np.interp(x, light / light[-1], x)
 
 
-def _places(depsgraph) -> dict:
-    """Where the objects with a surface are, by name."""
-    return {
-        (obj.name, obj.library): obj.matrix_world.copy()
-        for obj in depsgraph.objects
-        if obj.type not in _WITHOUT_SURFACE
-    }
-
-
-def _tell(scene, places, warnings) -> None:
-    before, after = places
-    moved = sorted(key[0] for key, place in before.items() if place != after.get(key, place))
-    if moved:
-        names = ", ".join(moved[:3]) + (", ..." if len(moved) > 3 else "")
+def _tell(scene, still: list[str], warnings) -> None:
+    if still:
+        names = ", ".join(still[:3]) + (", ..." if len(still) > 3 else "")
         warnings.append(
-            f"Scene {scene.name}: motion blur is the camera's only; {len(moved)} moving objects "
-            f"stand still as in the middle of the shutter's time: {names}"
+            f"Scene {scene.name}: {len(still)} moving objects are not blurred, for they have no "
+            f"size or are not there all the time that the shutter is open: {names}"
         )
     cycles = getattr(scene, "cycles", None)
     if cycles is not None and cycles.rolling_shutter_type != "NONE":

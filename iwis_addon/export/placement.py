@@ -12,7 +12,9 @@ keep the lengths that their transform gives them: then their interpolation comes
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,13 +22,10 @@ from ...core.scene import TriangleMesh
 from .errors import ExportCancelled
 from .instances import Instance, Inventory
 from .local_mesh import LocalMesh
+from .triangle_normals import geometric_normals, make_unit, squared_lengths, usable_vertices
 
 # Vertices or triangles worked on at a time: their arrays stay in the processor's cache.
 CHUNK = 1 << 16
-# Embree leaves out what lies farther: squares of distances would overflow.
-FARTHEST = np.float32(1.8e18)
-# Squared lengths below this lose digits in float32 or underflow.
-TINY = np.float32(1e-30)
 
 
 def _transform(matrices, points, out):
@@ -61,46 +60,37 @@ def _cofactors(matrices):
     return np.pad(cofactors, ((0, 0), (0, 0), (0, 1))).astype(np.float32), mirrors
 
 
-def _squared_lengths(vectors):
-    """Of vectors (last axis), and where neither underflow, overflow nor NaN spoils them."""
-    squared = np.einsum("...i,...i->...", vectors, vectors)
-    return squared, (squared > TINY) & (squared < np.inf)
+class Placed(NamedTuple):
+    """Instances in world space.
 
-
-def _unit(vectors):
-    """Scale vectors (last axis) to unit length in place; True where there was a direction."""
-    squared, good = _squared_lengths(vectors)
-    np.copyto(squared, 1.0, where=~good)
-    vectors /= np.sqrt(squared, out=squared)[..., None]
-    return good
-
-
-def _geometric_normals(a, b, c):
-    """Unit normals of triangles, and which of them have any: the others have no area.
-
-    a, b, c: float32 (n, 3), corners. Where float32 overflows or underflows, float64 decides.
+    usable: bool (m,), which triangles can be rendered
+    places: int64 (n, 2), the first vertex and the first triangle of each instance
+    mirrors: bool (n,), whose winding is turned round
     """
-    b, c = b - a, c - a
-    normals = np.empty_like(a)
-    for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
-        np.multiply(b[:, j], c[:, k], out=normals[:, i])
-        normals[:, i] -= b[:, k] * c[:, j]
-    good = _unit(normals)
-    rest = np.flatnonzero(~good)
-    if len(rest):
-        exact = np.cross(b[rest].astype(np.float64), c[rest].astype(np.float64))
-        length = np.sqrt(np.einsum("ij,ij->i", exact, exact))
-        has_area = (length > 0.0) & np.isfinite(length)
-        good[rest] = has_area
-        normals[rest[has_area]] = exact[has_area] / length[has_area, None]
-    return normals, good
+
+    mesh: TriangleMesh
+    usable: np.ndarray
+    places: np.ndarray
+    mirrors: np.ndarray
 
 
-def usable_vertices(vertices):
-    """bool (n,): rows of float32 (n, 3) that are numbers and not too far away to be rendered."""
-    if len(vertices) and np.maximum(vertices.max(), -vertices.min()) <= FARTHEST:  # not if NaN
-        return np.ones(len(vertices), bool)
-    return (np.abs(vertices) <= FARTHEST).all(axis=1)
+class _Transforms(NamedTuple):
+    """Of all instances: float32 (n, 3, 4) of points and of normals, bool (n,) which mirror."""
+
+    matrices: np.ndarray
+    cofactors: np.ndarray
+    mirrors: np.ndarray
+
+    @classmethod
+    def of(cls, instances: list[Instance]) -> _Transforms:
+        exact = np.array([instance.object_to_world for instance in instances])
+        cofactors, mirrors = _cofactors(exact.reshape(-1, 4, 4)[:, :3])
+        return cls(exact.reshape(-1, 4, 4)[:, :3].astype(np.float32), cofactors, mirrors)
+
+
+def _users(inventory: Inventory) -> np.ndarray:
+    """How many instances each part has."""
+    return np.bincount([i.part for i in inventory.instances], minlength=len(inventory.parts))
 
 
 def _batches(inventory: Inventory, mirrors) -> Iterator[tuple[Instance, list[int]]]:
@@ -109,9 +99,10 @@ def _batches(inventory: Inventory, mirrors) -> Iterator[tuple[Instance, list[int
     Yields an instance that stands for all of them, and their rows.
     """
     groups: dict[tuple, list[int]] = {}
-    for row, instance in enumerate(inventory.instances):
-        key = instance.part, instance.slots, bool(mirrors[row])
-        groups.setdefault(key, []).append(row)
+    for row, (instance, mirror) in enumerate(
+        zip(inventory.instances, mirrors.tolist(), strict=True)
+    ):
+        groups.setdefault((instance.part, instance.slots, mirror), []).append(row)
     for (part, _, _), rows in groups.items():
         mesh = inventory.parts[part]
         most = max(CHUNK // max(len(mesh.positions), len(mesh.triangles)), 1)
@@ -125,7 +116,7 @@ class _Writer:
     Until ``finish_normals`` a corner normal of zero stands for the geometric one.
     """
 
-    def __init__(self, n_vertices, n_triangles):
+    def __init__(self, n_vertices, n_triangles, n_instances):
         self.mesh = TriangleMesh(
             vertices=np.empty((n_vertices, 3), np.float32),
             triangles=np.empty((n_triangles, 3), np.int32),
@@ -133,7 +124,20 @@ class _Writer:
             material_index=np.empty(n_triangles, np.int32),
             object_index=np.empty(n_triangles, np.int32),
         )
+        self.places = np.empty((n_instances, 2), np.int64)
         self._vertex = self._triangle = 0
+
+    @classmethod
+    def over(cls, placed: Placed) -> _Writer:
+        """For instances that move: what does not follow from their matrices is shared."""
+        writer = cls(0, 0, 0)
+        writer.places = placed.places
+        writer.mesh = dataclasses.replace(
+            placed.mesh,
+            vertices=placed.mesh.vertices.copy(),
+            corner_normals=placed.mesh.corner_normals.copy(),
+        )
+        return writer
 
     def write(self, part: LocalMesh, slots, rows, mirrored, shared, matrices, cofactors):
         """Append a mesh once for each of the matrices: float32 (k, 3, 4), cofactors likewise.
@@ -142,21 +146,30 @@ class _Writer:
         shared: whether the mesh has other instances
         """
         k, n, m = len(rows), len(part.positions), len(part.triangles)
-        order = [0, 2, 1] if mirrored else slice(None)
-        vertices = slice(self._vertex, self._vertex + k * n)
         triangles = slice(self._triangle, self._triangle + k * m)
-        _transform(matrices, part.positions, self.mesh.vertices[vertices].reshape(k, n, 3))
-        first = np.arange(vertices.start, vertices.stop, n, dtype=np.int32)
+        first = np.arange(self._vertex, self._vertex + k * n, n)
+        self.places[rows, 0] = first
+        self.places[rows, 1] = np.arange(triangles.start, triangles.stop, m)
+        self.write_moved(part, rows, mirrored, shared, matrices, cofactors)
         out = self.mesh.triangles[triangles].reshape(k, m, 3)
-        np.add(part.triangles[:, order], first[:, None, None], out=out)
-        self._write_normals(part, order, shared, cofactors, triangles)
+        order = _order(mirrored)
+        np.add(part.triangles[:, order], first[:, None, None].astype(np.int32), out=out)
         self.mesh.object_index[triangles].reshape(k, m)[:] = np.array(rows)[:, None]
         if part.slots is None:
             self.mesh.material_index[triangles] = slots[0]
         else:  # an index past the last slot means the last one, as in Cycles
             chosen = np.array(slots)[np.minimum(part.slots, len(slots) - 1)]
             self.mesh.material_index[triangles].reshape(k, m)[:] = chosen
-        self._vertex, self._triangle = vertices.stop, triangles.stop
+        self._vertex, self._triangle = self._vertex + k * n, triangles.stop
+
+    def write_moved(self, part: LocalMesh, rows, mirrored, shared, matrices, cofactors):
+        """Of ``write`` what follows from the matrices, of rows that lie one after another."""
+        k, n, m = len(rows), len(part.positions), len(part.triangles)
+        vertex, triangle = self.places[rows[0]]
+        vertices = slice(vertex, vertex + k * n)
+        _transform(matrices, part.positions, self.mesh.vertices[vertices].reshape(k, n, 3))
+        triangles = slice(triangle, triangle + k * m)
+        self._write_normals(part, _order(mirrored), shared, cofactors, triangles)
 
     def _write_normals(self, part, order, shared, cofactors, triangles):
         k = len(cofactors)
@@ -167,63 +180,86 @@ class _Writer:
         normals = np.empty((k, *part.normals.shape), np.float32)
         _transform(cofactors, part.normals, normals)
         if not shared:
-            _unit(normals)
+            make_unit(normals)
         # "clip": with bounds checks, take() would go through a buffer as large as out.
         np.take(normals, part.normal_index[:, order], axis=1, out=out, mode="clip")
         if part.flat is not None:
             out[:, part.flat] = 0.0
 
-    def finish_normals(self, cancelled):
-        """Fill in the geometric normals; bool (m,), True where a triangle can be rendered."""
+    def finish_normals(self, cancelled, first=0, end=None):
+        """Fill in the geometric normals of the triangles from first to end; bool (m,), True where
+        one can be rendered."""
         mesh = self.mesh
-        has_area = np.empty(len(mesh.triangles), bool)
+        has_area = np.empty((len(mesh.triangles) if end is None else end) - first, bool)
         for start in range(0, len(has_area), CHUNK):
             if cancelled():
                 raise ExportCancelled
-            chunk = slice(start, start + CHUNK)
-            a, b, c = (mesh.vertices[corner] for corner in mesh.triangles[chunk].T)
-            geometric, has_area[chunk] = _geometric_normals(a, b, c)
+            own = slice(start, min(start + CHUNK, len(has_area)))
+            chunk = slice(first + own.start, first + own.stop)
+            a, b, c = (
+                np.take(mesh.vertices, corner, axis=0, mode="clip")
+                for corner in mesh.triangles[chunk].T
+            )
+            geometric, has_area[own] = geometric_normals(a, b, c)
             normals = mesh.corner_normals[chunk]
-            _, good = _squared_lengths(normals)
+            _, good = squared_lengths(normals)
             if not good.any():
                 normals[:] = geometric[:, None]
             elif not good.all():
                 triangle, corner = np.nonzero(~good)
                 normals[triangle, corner] = geometric[triangle]
-        usable = usable_vertices(mesh.vertices)
-        if not usable.all():
-            has_area &= usable[mesh.triangles].all(axis=1)
         return has_area
 
 
-def place_instances(inventory: Inventory, cancelled=lambda: False):
-    """All instances in world space, and bool (m,): which triangles can be rendered.
+def _order(mirrored):
+    return [0, 2, 1] if mirrored else slice(None)
 
-    Raises ExportCancelled as soon as cancelled() says so.
-    """
+
+def place_instances(inventory: Inventory, cancelled=lambda: False) -> Placed:
+    """All instances in world space. Raises ExportCancelled as soon as cancelled() says so."""
     parts, instances = inventory.parts, inventory.instances
     writer = _Writer(
         sum(len(parts[instance.part].positions) for instance in instances),
         sum(len(parts[instance.part].triangles) for instance in instances),
+        len(instances),
     )
-    if not instances:
-        return writer.mesh, np.zeros(0, bool)
-    exact = np.array([instance.object_to_world for instance in instances])[:, :3]
+    users, mesh = _users(inventory), writer.mesh
     # Broken vertices are told from good ones afterwards; meanwhile their arithmetic may overflow.
     with np.errstate(all="ignore"):
-        cofactors, mirrors = _cofactors(exact)
-        matrices = exact.astype(np.float32)
-        users = np.bincount([instance.part for instance in instances])
+        matrices, cofactors, mirrors = _Transforms.of(instances)
         for instance, rows in _batches(inventory, mirrors):
             if cancelled():
                 raise ExportCancelled
-            writer.write(
-                parts[instance.part],
-                instance.slots,
-                rows,
-                mirrors[rows[0]],
-                users[instance.part] > 1,
-                matrices[rows],
-                cofactors[rows],
-            )
-        return writer.mesh, writer.finish_normals(cancelled)
+            shared = users[instance.part] > 1
+            moves = mirrors[rows[0]], shared, matrices[rows], cofactors[rows]
+            writer.write(parts[instance.part], instance.slots, rows, *moves)
+        has_area = writer.finish_normals(cancelled)
+    usable = usable_vertices(mesh.vertices)
+    if not usable.all():
+        has_area &= usable[mesh.triangles].all(axis=1)
+    return Placed(mesh, has_area, writer.places, mirrors)
+
+
+def move_instances(placed: Placed, inventory: Inventory, rows: list[int]) -> Placed | None:
+    """The same where nothing differs but the matrices of some instances: all else is shared.
+
+    None where triangles cannot be rendered, or turn round: then all is to be placed anew.
+    """
+    instances, users = inventory.instances, _users(inventory)
+    if not placed.usable.all():
+        return None
+    writer = _Writer.over(placed)
+    with np.errstate(all="ignore"):
+        matrices, cofactors, mirrors = _Transforms.of([instances[row] for row in rows])
+        if (mirrors != placed.mirrors[rows]).any():
+            return None
+        for k, row in enumerate(rows):
+            part = inventory.parts[instances[row].part]
+            moves = mirrors[k], users[instances[row].part] > 1, matrices[k : k + 1]
+            writer.write_moved(part, [row], *moves, cofactors[k : k + 1])
+            vertex, first = placed.places[row]
+            good = writer.finish_normals(lambda: False, first, first + len(part.triangles))
+            moved = writer.mesh.vertices[vertex : vertex + len(part.positions)]
+            if not (good.all() and usable_vertices(moved).all()):
+                return None
+    return placed._replace(mesh=writer.mesh)

@@ -78,33 +78,13 @@ def _rows(inventory, mesh, kept, first) -> np.ndarray:
     return rows if kept is None else rows[kept]
 
 
-def _with_lost_objects(objects, places, sizes, n) -> np.ndarray:
-    """The same where some objects have lost all their triangles: rows of theirs do not matter."""
-    filled = np.zeros(n, np.int32)
-    position = 0
-    known = objects[places]
-    k = 0
-    while k < len(places):
-        owner = known[k]
-        count = (
-            int(np.searchsorted(known[k:] != owner, True))
-            if (known[k:] != owner).any()
-            else len(known) - k
-        )
-        begin = max(position, places[k + count - 1] + 1 - sizes[owner])
-        filled[begin : begin + sizes[owner]] = owner
-        position = begin + sizes[owner]
-        k += count
-    return filled
-
-
 def _tables(inventory, of_part, names):
     """(first row of each part, name -> float32 (rows, 3, width))."""
     first, parts, row = {}, [], 0
     for part, wanted in of_part.items():
         first[part] = row
         row += len(inventory.parts[part].triangles)
-        reader = _MeshReader(inventory.sources[part], len(inventory.parts[part].triangles))
+        reader = _MeshReader(inventory.sources[part], inventory.parts[part].corners)
         parts.append({name: reader.read(name) for name in wanted})
     tables = {}
     for name in names:
@@ -113,6 +93,9 @@ def _tables(inventory, of_part, names):
         if not widths:
             continue
         width = max(widths)
+        if len(of_part) == 1:
+            tables[name] = np.ascontiguousarray(values[0], np.float32)
+            continue
         sizes = [len(inventory.parts[part].triangles) for part in of_part]
         table = np.zeros((row, 3, width), np.float32)
         begin = 0
@@ -138,9 +121,8 @@ def _object_values(inventory, name) -> np.ndarray:
 class _MeshReader:
     """Corner values of one evaluated bpy mesh (None: there is none), triangle by triangle."""
 
-    def __init__(self, mesh, n_triangles):
-        self._mesh, self._n = mesh, n_triangles
-        self._corners = None
+    def __init__(self, mesh, corners):
+        self._mesh, self._corners = mesh, corners
 
     def read(self, name) -> np.ndarray | None:
         """float32 (m, 3, width), or None where the mesh has nothing of this name."""
@@ -149,25 +131,20 @@ class _MeshReader:
         kind, _, rest = name.partition(":")
         return getattr(self, f"_{kind}")(rest)
 
-    def _loops(self):
-        if self._corners is None:
-            mesh = self._mesh
-            if 3 * len(mesh.polygons) == len(mesh.loops):
-                self._corners = np.arange(len(mesh.loops), dtype=np.int32).reshape(-1, 3)
-            else:
-                self._corners = _get(mesh.loop_triangles, "loops", 3, np.int32)
-        return self._corners
+    def _of_corners(self, values):
+        # "clip": indexing takes three times as long for rows so short.
+        return np.take(values, self._corners, axis=0, mode="clip")
 
     def _of_points(self, values):
         vertices = _get(self._mesh.attributes[".corner_vert"].data, "value", 1, np.int32)[:, 0]
-        return values[vertices[self._loops()]]
+        return values[self._of_corners(vertices)]
 
     def _uv(self, name):
         layers = self._mesh.uv_layers
         layer = layers.get(name) if name else next((x for x in layers if x.active_render), None)
         if layer is None:
             return None
-        return _get(layer.uv, "vector", 2, np.float32)[self._loops()]
+        return self._of_corners(_get(layer.uv, "vector", 2, np.float32))
 
     def _color(self, name):
         colors = self._mesh.color_attributes
@@ -184,7 +161,7 @@ class _MeshReader:
         if attribute.domain == "POINT":
             return self._of_points(values)
         if attribute.domain == "CORNER":
-            return values[self._loops()]
+            return self._of_corners(values)
         if attribute.domain == "FACE":
             polygons = _get(self._mesh.loop_triangles, "polygon_index", 1, np.int32)[:, 0]
             return np.repeat(values[polygons][:, None], 3, 1)
@@ -215,11 +192,11 @@ class _MeshReader:
             -1,
         )
         mesh.free_tangents()
-        return values[self._loops()]
+        return self._of_corners(values)
 
     def _flat_tangents(self, layer):
         """Of each triangle by itself."""
-        uv = _get(layer.uv, "vector", 2, np.float32)[self._loops()]
+        uv = self._of_corners(_get(layer.uv, "vector", 2, np.float32))
         p = self._of_points(_get(self._mesh.vertices, "co", 3, np.float32))
         (du1, dv1), (du2, dv2) = ((uv[:, k] - uv[:, 0]).T for k in (1, 2))
         along = (p[:, 1] - p[:, 0]) * dv2[:, None] - (p[:, 2] - p[:, 0]) * dv1[:, None]

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export import ExportCache
+from iwis.iwis_addon.export import ExportCache, ExportError, free_memory, mesh_size
 from support.above import add_materials, add_mesh, add_monkey, look_from_above
 from support.trace_scene import export_as_render
 
@@ -141,3 +141,47 @@ def test_cache_tells_objects_apart_by_their_pass_index(above):
     second = export_as_render(above, cache)
     assert second.mesh is first.mesh
     assert sorted(second.geometry.object_pass_index) == [0.0, 5.0]
+
+
+def test_next_frame_shares_what_has_not_moved(above):
+    """Of a frame in which one object moves, only vertices and normals are new arrays."""
+    cache = ExportCache()
+    before = export_as_render(above, cache).mesh
+    move(bpy.data.objects["Thing"])
+    after = export_as_render(above, cache).mesh
+    assert after.triangles is before.triangles
+    assert after.material_index is before.material_index
+    moved = (after.vertices != before.vertices).any(axis=1)
+    assert moved.sum() == len(bpy.data.objects["Thing"].data.vertices)
+
+
+def test_object_that_turns_inside_out_is_placed_anew(above):
+    """A negative scale turns the winding round, which is not shared with the last frame."""
+    cache = ExportCache()
+    before = export_as_render(above, cache).mesh
+    bpy.data.objects["Thing"].scale.x = -1.0
+    after, fresh = export_as_render(above, cache), export_as_render(above)
+    assert after.mesh.triangles is not before.triangles
+    for cached, new in zip(arrays(after), arrays(fresh), strict=True):
+        np.testing.assert_array_equal(cached, new)
+
+
+def test_scene_larger_than_the_free_memory_is_refused(above, monkeypatch):
+    """The message says how much is needed and free, and names the object with most triangles."""
+    monkeypatch.setattr(mesh_size, "free_memory_bytes", lambda: 100_000)
+    with pytest.raises(ExportError, match=r"they need 0\.0 GB, .* Object Suzanne has 968 of them"):
+        export_as_render(above)
+    monkeypatch.setattr(mesh_size, "free_memory_bytes", lambda: 300_000)
+    assert len(export_as_render(above).mesh.triangles) > 968
+
+
+def test_memory_of_a_container_counts(tmp_path):
+    """What a control group leaves, with the caches of files that it holds; no limit: not known."""
+    assert free_memory._of_container(tmp_path) is None
+    (tmp_path / "memory.current").write_text("700\n")
+    (tmp_path / "memory.stat").write_text("anon 500\ninactive_file 150\n")
+    (tmp_path / "memory.max").write_text("1000\n")
+    assert free_memory._of_container(tmp_path) == 450
+    (tmp_path / "memory.max").write_text("max\n")
+    assert free_memory._of_container(tmp_path) is None
+    assert free_memory.free_memory_bytes() is None or free_memory.free_memory_bytes() > 0

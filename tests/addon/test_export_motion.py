@@ -52,11 +52,20 @@ def rendered(moving, monkeypatch, tmp_path):
 
     monkeypatch.setattr(FinalRender, "_render_view", spy)
 
-    def run():
+    def run(whole=False):
         render_iwis(moving, tmp_path)
-        return seen[-1].camera
+        return seen[-1] if whole else seen[-1].camera
 
     return run
+
+
+def _keyed(obj, **values):
+    """Properties at frame 0 and 10, straight between them."""
+    for name, ends in values.items():
+        for frame, value in zip((0, 10), ends, strict=True):
+            setattr(obj, name, value)
+            obj.keyframe_insert(name, frame=frame)
+    _linear(obj)
 
 
 @pytest.mark.parametrize(("position", "first"), [("START", 4.0), ("CENTER", 3.75), ("END", 3.5)])
@@ -90,16 +99,82 @@ def test_a_camera_may_be_kept_from_blurring(moving, rendered):
     assert rendered().motion is None
 
 
-def test_moving_objects_are_told(moving, rendered):
-    """One line with their number and names."""
-    cube = next(obj for obj in moving.objects if obj.type == "MESH")
-    for frame in (0, 10):
-        cube.location.z = 0.1 * frame
+def _cube(scene):
+    return next(obj for obj in scene.objects if "ube" in obj.name)
+
+
+def test_objects_move_over_the_shutters_time(moving, rendered):
+    """Along a line and about their own origin, from the middle pose, which the mesh table has."""
+    moving.camera.animation_data_clear()
+    cube = _cube(moving)
+    turns = (0.0, 0.0, 0.0), (0.0, 0.0, math.radians(300.0))
+    _keyed(cube, location=((1.0, 2.0, 0.5), (11.0, 2.0, 0.5)), rotation_euler=turns)
+    scene = rendered(whole=True)
+    motion, k = scene.motion, len(scene.motion.times)
+    assert len(motion.objects) == 1 and (scene.camera.motion is not None)
+    middle = np.array([1.0 + 4.0, 2.0, 0.5])
+    moved = motion.matrices[:, 0, :3, :3] @ middle + motion.matrices[:, 0, :3, 3]
+    np.testing.assert_allclose(moved[:, 0], 5.0 + 0.5 * (motion.times - 0.5), atol=1e-5)
+    np.testing.assert_allclose(moved[:, 1:], np.tile(middle[1:], (k, 1)), atol=1e-5)
+    turn = np.arctan2(motion.matrices[:, 0, 1, 0], motion.matrices[:, 0, 0, 0])
+    wanted = math.radians(30.0) * 0.5 * (motion.times - 0.5)
+    np.testing.assert_allclose(turn, wanted, atol=1e-5)
+    assert not [w for w in RenderJob.get().records[-1].stats.warnings if "motion" in w]
+    assert cube.matrix_world.translation.x == pytest.approx(5.0)
+
+
+def test_an_object_may_be_kept_from_blurring(moving, rendered):
+    """Its own Motion Blur option; then nothing of it moves."""
+    cube = _cube(moving)
+    _keyed(cube, location=((0.0, 0.0, 0.0), (10.0, 0.0, 0.0)))
+    cube.cycles.use_motion_blur = False
+    assert rendered(whole=True).motion is None
+    cube.cycles.use_motion_blur = True
+    assert len(rendered(whole=True).motion.objects) == 1
+
+
+def test_steps_of_an_object_follow_its_bends(moving, rendered):
+    """With 3 steps (9 places) a swing is followed where 1 (3 places) cuts its corners."""
+    moving.camera.animation_data_clear()
+    moving.render.motion_blur_shutter = 1.0
+    cube = _cube(moving)
+    for frame, x in ((3.5, 0.0), (3.75, 1.0), (4.0, 0.0), (4.25, 1.0), (4.5, 0.0)):
+        cube.location.x = x
         cube.keyframe_insert("location", frame=frame)
-    rendered()
-    lines = RenderJob.get().records[-1].stats.warnings
-    told = [line for line in lines if "motion blur" in line]
-    assert len(told) == 1 and "1 moving objects stand still" in told[0] and cube.name in told[0]
+    _linear(cube)
+    cube.cycles.motion_steps = 1
+    assert rendered(whole=True).motion is None  # at all three places it is at 0
+    cube.cycles.motion_steps = 3
+    motion = rendered(whole=True).motion
+    x = motion.matrices[:, 0, 0, 3]
+    swing = np.interp(motion.times, np.linspace(0, 1, 5), [0.0, 1.0, 0.0, 1.0, 0.0])
+    np.testing.assert_allclose(x, swing, atol=1e-4)
+
+
+def test_instances_move_with_what_instances_them(moving, rendered):
+    """Each instance by itself, known again by Blender's number."""
+    moving.camera.animation_data_clear()
+    cube = _cube(moving)
+    plane = bpy.data.meshes.new("Places")
+    plane.from_pydata([(0, 0, 3), (2, 0, 3), (4, 0, 3)], [], [])
+    owner = bpy.data.objects.new("Places", plane)
+    moving.collection.objects.link(owner)
+    owner.instance_type = "VERTS"
+    cube.parent = owner
+    _keyed(owner, location=((0.0, 0.0, 0.0), (0.0, 10.0, 0.0)))
+    scene = rendered(whole=True)
+    assert len(scene.motion.objects) == 3
+    last = scene.motion.matrices[-1, :, :3, 3]
+    np.testing.assert_allclose(last[:, 1], 0.5 * (scene.motion.times[-1] - 0.5), atol=1e-5)
+
+
+def test_what_cannot_be_blurred_is_told(moving, rendered):
+    """An object that is mirrored half way is drawn as in the middle, with one line."""
+    cube = _cube(moving)
+    _keyed(cube, scale=((-4.1, 1.0, 1.0), (5.9, 1.0, 1.0)))
+    assert rendered(whole=True).motion is None
+    told = [w for w in RenderJob.get().records[-1].stats.warnings if "not blurred" in w]
+    assert len(told) == 1 and "1 moving objects" in told[0] and cube.name in told[0]
 
 
 def test_the_shutters_curve_says_when_light_comes_in(scene):

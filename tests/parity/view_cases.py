@@ -204,3 +204,44 @@ _moving(
 )
 _moving("motion up to the frame, zoom", motion_blur_position="END", zoom=1.3)
 _moving("motion, orthographic, 5 steps", kind="ORTHO", steps=2, motion_blur_shutter=1.0)
+
+
+def _objects_moving(name, material=_diffuse_checks, lit=True, steps=1, follow=False, **render):
+    """The sphere goes along, the cube turns; follow: the camera goes with the sphere."""
+
+    def build(scene, tree):
+        material(tree)
+        sphere = bpy.data.objects["Sphere"]
+        others = [o for o in scene.objects if o.type == "MESH" and "ube" in o.name]
+        movers = [sphere, *others, *([scene.camera] if follow else [])]
+        for obj in movers:
+            obj.cycles.motion_steps = steps
+            place, turn = obj.location.copy(), obj.rotation_euler.copy()
+            for frame in (0, 1, 2):
+                t = frame - 1.0
+                obj.location = place
+                if obj in others:
+                    obj.rotation_euler = (turn.x, turn.y + 0.3 * t, turn.z + 0.9 * t)
+                    obj.keyframe_insert("rotation_euler", frame=frame)
+                else:
+                    obj.location = place + type(place)((0.6 * t, 0.2 * t, 0.3 * t))
+                obj.keyframe_insert("location", frame=frame)
+            _linear(obj)
+        scene.frame_set(1)
+        scene.render.use_motion_blur = True
+        for key, value in render.items():
+            setattr(scene.render, key, value)
+
+    CASES.append(Case(f"Camera {name}", build, lit=lit, blurred=True))
+
+
+_objects_moving("objects in motion", motion_blur_shutter=0.8)
+_objects_moving(
+    "objects in motion, glowing checks",
+    lambda tree: tree.glow(_checker(tree)),
+    lit=False,
+    steps=2,
+    motion_blur_position="START",
+    motion_blur_shutter=1.0,
+)
+_objects_moving("objects in motion, followed", follow=True, motion_blur_shutter=1.0)

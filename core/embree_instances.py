@@ -1,0 +1,87 @@
+"""Embree's instances: one hierarchy of parts that stand elsewhere at another time.
+
+Each part has a hierarchy of its own, which all times share; a time adds one over the parts alone.
+"""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+
+from ._jit import kernel
+from .embree import ROBUST, EmbreeScene, load_library
+from .embree_rays import Traversal, intersect_instances
+
+_INSTANCE, _ROWS_OF_3X4 = 121, 0x9134
+_HANDLE = ctypes.c_void_p
+_SIGNATURES = {
+    "rtcSetGeometryInstancedScene": (None, [_HANDLE] * 2),
+    "rtcSetGeometryTransform": (None, [_HANDLE, ctypes.c_uint, ctypes.c_int, _HANDLE]),
+}
+
+
+def can_instance() -> bool:
+    """Whether Embree's own interface is there."""
+    try:
+        return _library() is not None
+    except OSError:
+        return False
+
+
+def _library():
+    library = load_library()
+    for name, (result, arguments) in _SIGNATURES.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+class InstanceScene:
+    """Parts under a matrix each. Keeps them; lives until it is let go."""
+
+    def __init__(self, parts: list[EmbreeScene], matrices: np.ndarray):
+        """parts: committed, of one device; matrices: float32 (n, 3, 4), to world space."""
+        self.handle, self._parts = None, parts
+        self._library = library = _library()
+        self.handle = library.rtcNewScene(parts[0].device)
+        library.rtcSetSceneFlags(self.handle, ROBUST)
+        for part, matrix in zip(parts, np.ascontiguousarray(matrices, np.float32), strict=True):
+            geometry = library.rtcNewGeometry(part.device, _INSTANCE)
+            library.rtcSetGeometryInstancedScene(geometry, part.handle)
+            library.rtcSetGeometryTransform(geometry, 0, _ROWS_OF_3X4, matrix.ctypes.data)
+            library.rtcCommitGeometry(geometry)
+            library.rtcAttachGeometry(self.handle, geometry)
+            library.rtcReleaseGeometry(geometry)
+        library.rtcCommitScene(self.handle)
+        parts[0].check()
+
+    def traversal(self) -> Traversal:
+        """See EmbreeScene."""
+        return self._parts[0].traversal()._replace(scene=self.handle)
+
+    def close(self) -> None:
+        """Free it; it must not be asked any more."""
+        if self.handle:
+            self._library.rtcReleaseScene(self.handle)
+        self.handle = None
+
+    __del__ = close
+
+
+@kernel
+def _to_rows(triangle, part, first, rows):
+    for k in range(len(triangle)):
+        if triangle[k] >= 0:
+            triangle[k] = rows[first[part[k]] + triangle[k]]
+
+
+def nearest_hits(traversal: Traversal, origins, directions, first, rows):
+    """See Accel.intersect. rows: int32, triangles of the whole mesh by parts, the parts' from
+    first, int64 (n,), on"""
+    n = len(origins)
+    triangle, part = np.empty(n, np.int32), np.empty(n, np.int32)
+    u, v = np.empty(n, np.float32), np.empty(n, np.float32)
+    intersect_instances(traversal, origins, directions, triangle, part, u, v)
+    _to_rows(triangle, part, first, rows)
+    return triangle, u, v

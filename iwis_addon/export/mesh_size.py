@@ -1,0 +1,52 @@
+"""Whether a scene's triangles fit: into 32-bit numbers, and into memory. Needs no Blender.
+
+Embree's instances are not used: each instance's triangles are written out in world space
+(docs/benchmarks.md has the bytes measured). So a scatter of a million trees must be refused with a
+message while there is still memory to say it.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+import numpy as np
+
+from .errors import ExportError
+from .free_memory import free_memory_bytes
+from .instances import Inventory
+
+# The corners of all triangles, three each, are counted in int32.
+MOST_TRIANGLES = (1 << 31) // 3
+# Of TriangleMesh: corners, normals and two rows of a triangle, a vertex. Of the hierarchy: Embree
+# takes 94 (scattered boxes) to 100 bytes a triangle (one mesh) while it builds; 62 to 68 stay.
+_TRIANGLE_BYTES, _VERTEX_BYTES, _BVH_BYTES = 56, 12, 110
+_GIGABYTE = 1e9
+
+
+def needed_bytes(n_triangles: int, n_vertices: int) -> int:
+    """The most memory that a mesh table and the building of its hierarchy take."""
+    return (_TRIANGLE_BYTES + _BVH_BYTES) * n_triangles + _VERTEX_BYTES * n_vertices
+
+
+def check_size(inventory: Inventory) -> None:
+    """Raises ExportError where there are too many triangles, naming the object that has most."""
+    parts, instances = inventory.parts, inventory.instances
+    triangles = np.array([len(part.triangles) for part in parts], np.int64)
+    vertices = np.array([len(part.positions) for part in parts], np.int64)
+    users = np.bincount([i.part for i in instances], minlength=len(parts))
+    total = int(users @ np.maximum(triangles, vertices))
+    needed = needed_bytes(int(users @ triangles), int(users @ vertices))
+    free = free_memory_bytes()
+    if total <= MOST_TRIANGLES and (free is None or needed <= free):
+        return
+    shares: dict[str, int] = defaultdict(int)
+    for instance in instances:
+        shares[instance.name] += int(max(triangles[instance.part], vertices[instance.part]))
+    name = max(shares, key=shares.get)
+    limit = f"the most is {MOST_TRIANGLES:,}"
+    if total <= MOST_TRIANGLES:
+        limit = f"they need {needed / _GIGABYTE:.1f} GB, of which {free / _GIGABYTE:.1f} are free"
+    raise ExportError(
+        f"The scene has {total:,} triangles with all its instances; {limit}. Object {name} has "
+        f"{shares[name]:,} of them: reduce its copies or its subdivision, or hide it from renders"
+    )
