@@ -1,7 +1,7 @@
 """The hierarchy of a mesh of which some objects move while the shutter is open.
 
 What stands still is one part, and each set of objects that move alike another; Embree instances
-them for each slice of the shutter's time (docs/decisions/0023-moving-objects.md).
+them for each slice of the shutter's time (docs/decisions/0024-moving-objects.md).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Objects that move while the shutter is open: data, see docs/decisions/0023-moving-objects.md."""
+"""Objects that move while the shutter is open: data, see docs/decisions/0024-moving-objects.md."""
 
 from __future__ import annotations
 

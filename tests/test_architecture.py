@@ -33,6 +33,7 @@ MAY_IMPORT_OF_CORE = {
     | {
         "lamps",
         "emitters",
+        "object_motion",
         "nodes",
         "nodes/hashing",
         "nodes/typical",

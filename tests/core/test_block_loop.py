@@ -17,8 +17,8 @@ def _layers(by_rays, work=CenterTile, world=None, **settings):
     job.accel.by_rays = by_rays
     tile = work(job, WHOLE)
     if by_rays is not None:  # nor does the older loop learn
-        tile._look()
         if work is CenterTile:
+            tile._look()
             tile._guides = [new_guides(0)] * len(tile._layers)
         else:
             tile._sampler._guides = new_guides(0)

@@ -122,18 +122,18 @@ def test_lack_of_memory_says_so():
     """Embree's error is Python's, and names the size of the mesh."""
     scene = EmbreeScene(*_waves(100))
     with pytest.raises(MemoryError, match="98 triangles"):
-        scene._check(4)
+        scene.check(4)
     with pytest.raises(RuntimeError, match="processor"):
-        scene._check(5)
+        scene.check(5)
 
 
 def test_bad_calls_are_errors():
     """What Embree refuses is raised, not printed."""
     scene = EmbreeScene(*_waves(100))
     load_library().rtcSetSharedGeometryBuffer(None, 1, 0, 0x9003, None, 0, 12, 3)
-    load_library().rtcNewGeometry(scene._device, 12345)
+    load_library().rtcNewGeometry(scene.device, 12345)
     with pytest.raises(RuntimeError, match="Embree"):
-        scene._check()
+        scene.check()
 
 
 def test_closing_twice_is_harmless():

@@ -2,6 +2,7 @@
 
 _EDGES = "edges of a pattern fall between two pixels, and steep highlights; tones agree"
 _RAYS = "Cycles follows BSDF rays through it as well, whose Light Path is another"
+_MOVES = "noise where things move: a pass sees four slices of time (record 24); tones agree"
 _BUMP = "IWIS is brighter; likeliest Cycles' bump shadowing of light below the true surface"
 
 WHY = {
@@ -17,4 +18,7 @@ WHY = {
     "Transparent by a checker": _EDGES,
     "Principled, alpha by noise": _EDGES,
     "Principled, coat varies": _EDGES,
+    "Camera objects in motion": _MOVES,
+    "Camera objects in motion, glowing checks": _MOVES,
+    "Camera objects in motion, followed": _MOVES,
 }
