@@ -23,7 +23,11 @@ def copy_cycles_settings(scene) -> list[str]:
     if not hasattr(scene, "cycles"):
         raise ValueError("Cycles is disabled: its settings are not there to be copied")
     cycles, iwis = scene.cycles, scene.iwis
-    iwis.stop_rule = "PERCEPTUAL" if cycles.use_adaptive_sampling else "FIXED"
+    rule = "PERCEPTUAL" if cycles.use_adaptive_sampling else "FIXED"
+    iwis.time_limit = _within("time_limit", cycles.time_limit)
+    if iwis.time_limit > 0.0:  # ends there, or with the samples; the threshold is not asked then
+        rule, iwis.target_samples = "BUDGET", 0
+    iwis.stop_rule = rule
     iwis.max_samples = _within("max_samples", cycles.samples)
     iwis.error_threshold = _threshold(cycles.adaptive_threshold)
     iwis.viewport.max_samples = _within("max_samples", cycles.preview_samples or cycles.samples)
@@ -32,7 +36,7 @@ def copy_cycles_settings(scene) -> list[str]:
     iwis.use_animated_seed = cycles.use_animated_seed
     iwis.pixel_filter = _FILTERS[cycles.pixel_filter_type]
     iwis.filter_width = _within("filter_width", cycles.filter_width)
-    return ["stop rule", "samples", "thresholds", "seed", "pixel filter"]
+    return ["stop rule", "time limit", "samples", "thresholds", "seed", "pixel filter"]
 
 
 def _threshold(cycles_threshold: float) -> float:

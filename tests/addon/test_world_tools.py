@@ -70,6 +70,17 @@ def test_cycles_settings_are_taken_over(scene):
     assert iwis.stop_rule == "FIXED"
 
 
+def test_cycles_time_limit_is_a_budget(scene):
+    """With the samples as its other end; a scene without one gets its rule back."""
+    scene.cycles.use_adaptive_sampling, scene.cycles.time_limit = True, 12.5
+    copy_cycles_settings(scene)
+    iwis = scene.iwis
+    assert (iwis.stop_rule, iwis.time_limit, iwis.target_samples) == ("BUDGET", 12.5, 0)
+    scene.cycles.time_limit = 0.0
+    copy_cycles_settings(scene)
+    assert (iwis.stop_rule, iwis.time_limit) == ("PERCEPTUAL", 0.0)
+
+
 @pytest.mark.slow
 def test_compare_with_cycles_leaves_difference_and_settings(cube_scene):
     """Both render the cube; they agree to some percent; no setting of the file has changed."""
