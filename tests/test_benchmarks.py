@@ -267,3 +267,19 @@ def test_export_bench_sees_what_it_measures():
     assert found["instances"]["triangles"] == 12 * places
     # A triangle: 3 corners, 9 normals, 2 rows; 8 vertices for 12 triangles.
     assert found["instances"]["table_bytes"] == 12 * places * 56 + 8 * places * 12
+
+
+def test_exports_are_told_where_they_were_run():
+    """A line a scene, bytes a triangle and an instance; nothing where the part was not run."""
+    from export_section import export_section
+
+    row = {"objects": 10, "triangles": 120, "wall": 0.5, "cpu": 0.6, "next_wall": 0.25}
+    names = ("triangles", "moving_triangles", "objects", "linked_objects")
+    memory = {"table_bytes": 7680, "bvh_bytes": 7440, "bvh_peak_bytes": 12000}
+    memory |= {"export_bytes": 7680 + 11000, "peak_bytes": 2e6}
+    results = {"load": 1.0, **dict.fromkeys(names, row), "instances": {**row, **memory}}
+    text = "\n".join(export_section({"export": results}, None, None))
+    assert text.count("| 10 | 120 | 0.50 | 0.60 | 0.25 |") == 5
+    assert "64 bytes a triangle for the table, 62 for the hierarchy (100 while" in text
+    assert "1100 bytes an instance" in text
+    assert export_section({}, None, None) == []
