@@ -9,18 +9,14 @@ derives when it is asked. The next frame's graph is a new one, whose meshes were
 
 from __future__ import annotations
 
-import argparse
 import gc
-import json
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import bpy
 import numpy as np
+from apart import in_own_process, run_cases
 from bench_scaling import peak_bytes, resident_bytes
-from machine import load
 
 import iwis
 from iwis.core.render_cache import RenderCache
@@ -33,28 +29,12 @@ QUICK = {"triangles": 20_000, "objects": 200, "instances": 2_000}
 
 def main() -> None:
     """One case or all."""
-    parser = argparse.ArgumentParser(description="Measure exports.")
-    parser.add_argument("folder", nargs="?", type=Path)
-    parser.add_argument("--case", nargs=2, metavar=("CASE", "VALUE"))
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--threads", type=int, help="not used: Blender's own")
-    parser.add_argument("--pictures", type=Path, help="not used")
-    options = parser.parse_args()
-    if options.case:
-        name, value = options.case
-        print(json.dumps(CASES[name](int(value))))
-        return
-    start = time.perf_counter()
-    wanted = QUICK if options.quick else FULL
-    found = {name: _in_own_process(name, wanted[size]) for name, (size, _) in PLAN.items()}
-    found |= {"load": load(), "seconds": time.perf_counter() - start}
-    (options.folder / "export.json").write_text(json.dumps(found, indent=1))
+    run_cases("Measure exports; the number of threads is Blender's own.", CASES, "export", _all)
 
 
-def _in_own_process(name: str, value: int) -> dict:
-    command = [sys.executable, __file__, "--case", name, str(value)]
-    out = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
-    return json.loads(out.splitlines()[-1])
+def _all(quick: bool) -> dict:
+    wanted = QUICK if quick else FULL
+    return {name: in_own_process(__file__, name, wanted[size]) for name, (size, _) in PLAN.items()}
 
 
 def of_triangles(count: int) -> dict:

@@ -8,20 +8,16 @@ Each case runs in a process of its own, for its memory is measured. One thread, 
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import gc
-import json
 import os
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import ball
 import numpy as np
+from apart import in_own_process, run_cases
 from configurations import base_settings
-from machine import load
 
 from iwis.core.film import Film
 from iwis.core.render import RenderCache, render
@@ -44,30 +40,14 @@ QUICK = {
 
 def main() -> None:
     """One case or all."""
-    parser = argparse.ArgumentParser(description="Measure how the cost grows.")
-    parser.add_argument("folder", nargs="?", type=Path)
-    parser.add_argument("--case", nargs=2, metavar=("CASE", "VALUE"))
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--threads", type=int, help="not used: one thread")
-    parser.add_argument("--pictures", type=Path, help="not used")
-    options = parser.parse_args()
-    if options.case:
-        name, value = options.case
-        print(json.dumps(CASES[name](int(value))))
-        return
-    start = time.perf_counter()
-    wanted = QUICK if options.quick else FULL
-    found = {
-        name: [{"value": value} | _in_own_process(name, value) for value in values]
-        for name, values in wanted.items()
+    run_cases("Measure how the cost grows, with one thread.", CASES, "scaling", _all)
+
+
+def _all(quick: bool) -> dict:
+    return {
+        name: [{"value": value} | in_own_process(__file__, name, value) for value in values]
+        for name, values in (QUICK if quick else FULL).items()
     }
-    found |= {"load": load(), "seconds": time.perf_counter() - start}
-    (options.folder / "scaling.json").write_text(json.dumps(found, indent=1))
-
-
-def _in_own_process(name: str, value: int) -> dict:
-    command = [sys.executable, __file__, "--case", name, str(value)]
-    return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
 
 
 def of_pixels(side: int) -> dict:

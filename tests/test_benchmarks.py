@@ -257,9 +257,11 @@ def test_export_bench_sees_what_it_measures():
     """In small: the triangles asked for, a table a triangle, and figures for the next frame."""
     pytest.importorskip("bpy")
     import bench_export
+    from apart import in_own_process
 
     found = {
-        name: bench_export._in_own_process(name, 200) for name in ("moving_triangles", "instances")
+        name: in_own_process(bench_export.__file__, name, 200)
+        for name in ("moving_triangles", "instances")
     }
     assert found["moving_triangles"]["triangles"] == 212
     assert found["moving_triangles"]["next_wall"] > 0.0
