@@ -1,7 +1,7 @@
 """Whether a scene's triangles fit: into 32-bit numbers, and into memory. Needs no Blender.
 
 Embree's instances are not used: each instance's triangles are written out in world space
-(docs/benchmarks.md has the bytes measured). So a scatter of a million trees must be refused with a
+(docs/measured.md has the bytes). So a scatter of a million trees must be refused with a
 message while there is still memory to say it.
 """
 
