@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .prefetch import fetch
 from .scene import CLOSEST, LINEAR_SRGB, MIRROR_BALL, EnvironmentMap
 
 _PROJECTION_EQUIRECTANGULAR, _PROJECTION_MIRROR_BALL = 0, 1
@@ -178,6 +179,16 @@ def eval_map(lookup, u, v):
     if lookup.interpolation == _LOOKUP_LINEAR_SRGB:
         r, g, b = srgb_decode(r), srgb_decode(g), srgb_decode(b)
     return r * strength[0], g * strength[1], b * strength[2]
+
+
+@_inline
+def fetch_texels(lookup, u, v):
+    """Ask for the texels that eval_map reads at (u, v)."""
+    height, width = np.int32(lookup.texels.shape[0]), np.int32(lookup.texels.shape[1])
+    row, column = np.int32(v * np.float32(height) + _HALF), np.int32(u * np.float32(width) + _HALF)
+    corner = np.int64(row) * np.int64(width) + np.int64(column - 1)
+    fetch(lookup.texels, 12 * corner)
+    fetch(lookup.texels, 12 * (corner - np.int64(width)))
 
 
 @kernel

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
-from .product import BASE_BEGIN, BASE_CELLS, BASE_LEVEL, BLOCK_BEGIN, BLOCK_CELLS, SUMS_BEGIN
+from .product import BASE_BEGIN, BASE_CELLS, BASE_LEVEL, BLOCK_BEGIN
 from .product_build import sum_base
 from .pyramid import level_offset
 
@@ -121,28 +121,4 @@ def scale_product(products, p, by):
     tree = products.trees[p]
     for c in range(BASE_CELLS):
         tree[BASE_BEGIN + c] *= by[c]
-    if products.blocks[p] > 0:
-        _scale_blocks(tree, products.links[p], by)
     sum_base(tree)
-
-
-@kernel(forceinline=True)
-def _scale_block(tree, block, factor):
-    cells, sums = BLOCK_BEGIN + BLOCK_CELLS * block, SUMS_BEGIN + 4 * block
-    for k in range(cells, cells + BLOCK_CELLS):
-        tree[k] *= factor
-    for k in range(sums, sums + 4):
-        tree[k] *= factor
-
-
-@kernel
-def _scale_blocks(tree, links, by):
-    for c in range(BASE_CELLS):
-        if links[c] == 0:
-            continue
-        block = links[c] - 1
-        _scale_block(tree, block, by[c])
-        first = BASE_CELLS + BLOCK_CELLS * block
-        for k in range(first, first + BLOCK_CELLS):
-            if links[k] > 0:
-                _scale_block(tree, links[k] - 1, by[c])

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .prefetch import fetch
 from .pyramid import LightPyramid, level_offset
 
 _MOST_DEPTH = 6  # levels below the whole ones: 15 in all
@@ -132,6 +133,21 @@ def light_leaves(pyramid: LightPyramid) -> LightLeaves:
     leaves = LightLeaves(first, numbers, numbers.view(np.int32))
     _fill(pyramid, first, numbers, leaves.places)
     return leaves
+
+
+@kernel(forceinline=True)
+def fetch_cell(leaves, cell):
+    """Ask for where the entries of a cell begin."""
+    fetch(leaves.first, 4 * np.int64(cell))
+
+
+@kernel(forceinline=True)
+def fetch_leaf(leaves, cell, x):
+    """Ask for the entry that choose_leaf reads."""
+    first = leaves.first[cell]
+    n = leaves.first[cell + 1] - first
+    k = np.int32(max(x, _ZERO) * np.float32(n))
+    fetch(leaves.numbers, 16 * np.int64(first + k))
 
 
 @kernel(forceinline=True)

@@ -68,7 +68,8 @@ class Products(NamedTuple):
     """The products of n points.
 
     trees: float32 (n, size), sums of light x BSDF x cosine over cells, in units of a base cell's
-        solid angle; trees[p, 0] is the sum of all
+        solid angle; trees[p, 0] is the sum of all. Numbers of a block count by their share of it:
+        what scales the base leaves them alone
     links: int16 (n, cells), 1 + the block that a cell is cut into, 0 = none: of the base's cells,
         then of the blocks'
     blocks: int32 (n,), how many blocks there are; links of a point without are not set
@@ -129,15 +130,17 @@ def _cones(directions: np.ndarray) -> np.ndarray:
 def _product_cell(products, p, cell, levels):
     """(value in units of a base cell, level) of the product's last cell around a cell of levels."""
     r = cell >> (2 * (levels - BASE_LEVEL))
-    value, level = np.float64(products.trees[p, BASE_BEGIN + r]), BASE_LEVEL
+    tree = products.trees[p]
+    value, level = np.float64(tree[BASE_BEGIN + r]), BASE_LEVEL
     if products.blocks[p] > 0:
-        block, scale = products.links[p, r], 1.0
+        block = products.links[p, r]
         while block > 0:
             level += BLOCK_LEVELS
-            scale *= BLOCK_CELLS
             inside = (cell >> (2 * (levels - level))) & (BLOCK_CELLS - 1)
             k = BLOCK_CELLS * (block - 1) + inside
-            value = scale * np.float64(products.trees[p, BLOCK_BEGIN + k])
+            s = SUMS_BEGIN + 4 * (block - 1)
+            whole = np.float64((tree[s] + tree[s + 1]) + (tree[s + 2] + tree[s + 3]))
+            value *= BLOCK_CELLS * np.float64(tree[BLOCK_BEGIN + k]) / whole
             block = products.links[p, BASE_CELLS + k]
     return value, level
 

@@ -12,9 +12,9 @@ import math
 import numpy as np
 
 from ._jit import kernel
-from .environment import map_coordinates
+from .environment import fetch_texels, map_coordinates
 from .lanes import DX, DY, DZ, PDF, A, B, C, D, U, V, X, Y
-from .light_leaves import choose_leaf
+from .light_leaves import choose_leaf, fetch_cell, fetch_leaf
 from .product import (
     BASE_BEGIN,
     BASE_CELLS,
@@ -104,10 +104,11 @@ def _step_to(level, begin, trees, light, lanes, n):
 
 
 @kernel
-def _descend_blocks(products, light, scale, lanes, n):
+def _descend_blocks(products, light, lanes, n):
     """From the base to DEEPEST_LEVEL: down the blocks, and by light beside and below them.
 
-    PDF: changed where a lane is in a block; scale: from a base cell's value to a density
+    PDF: where a lane is in a block, times what its cell has of the block, over what all cells have
+    alike: a guide scales the base alone. U: the light around the last such cell
     """
     numbers, links, trees = lanes.numbers, products.links.reshape(-1), products.trees.reshape(-1)
     stride = products.links.shape[1]
@@ -116,17 +117,19 @@ def _descend_blocks(products, light, scale, lanes, n):
     level = np.int64(BASE_LEVEL)
     while level < DEEPEST_LEVEL:
         _step_to(level + 1, SUMS_BEGIN, trees, light, lanes, n)
+        for s in range(n):
+            numbers[V + s] = (numbers[A + s] + numbers[B + s]) + (numbers[C + s] + numbers[D + s])
         _step_to(level + 2, BLOCK_BEGIN, trees, light, lanes, n)
         level += BLOCK_LEVELS
-        scale *= np.float32(BLOCK_CELLS)
         deeper = 2 * max(level - light.levels, 0)
         around = level_offset(min(level, light.levels))
         for s in range(n):
             if lanes.block[s] > 0:
                 cell = lanes.cell[s]
                 k = BLOCK_CELLS * (lanes.block[s] - 1) + (cell & (BLOCK_CELLS - 1))
-                value = trees[lanes.tree[s] + (BLOCK_BEGIN + k)] / trees[lanes.tree[s]]
-                numbers[PDF + s] = scale * value / light.averages[around + (cell >> deeper)]
+                value = trees[lanes.tree[s] + (BLOCK_BEGIN + k)] / numbers[V + s]
+                numbers[PDF + s] *= np.float32(BLOCK_CELLS) * value
+                numbers[U + s] = light.averages[around + (cell >> deeper)]
                 lanes.block[s] = links[np.int64(lanes.point[s]) * stride + (BASE_CELLS + k)]
 
 
@@ -150,6 +153,10 @@ def _choose_leaves(light, leaves, lanes, n):
     """From the last whole level to a leaf: X, Y of the whole square, PDF."""
     numbers, cells, levels = lanes.numbers, lanes.cell, light.levels
     begin, inverse = level_offset(levels), np.float32(1.0 / (1 << levels))
+    for s in range(n):
+        fetch_cell(leaves, cells[s])
+    for s in range(n):
+        fetch_leaf(leaves, cells[s], numbers[X + s])
     for s in range(n):
         cell = cells[s]
         average = light.averages[begin + np.int64(cell)]
@@ -197,11 +204,14 @@ def warp_lanes(products, cut, light, leaves, lanes, n):
     _descend_bases(trees, lanes, n)
     scale = np.float32(BASE_CELLS / (4.0 * math.pi))
     for s in range(n):
-        numbers[PDF + s] *= scale / (trees[lanes.tree[s]] * averages[BASE_BEGIN + cell[s]])
+        numbers[PDF + s] *= scale / trees[lanes.tree[s]]
+        numbers[U + s] = averages[BASE_BEGIN + cell[s]]
     level = BASE_LEVEL
     if cut:
-        _descend_blocks(products, light, scale, lanes, n)
+        _descend_blocks(products, light, lanes, n)
         level = DEEPEST_LEVEL
+    for s in range(n):
+        numbers[PDF + s] /= numbers[U + s]
     _descend_light(averages, level, light.levels, lanes, n)  # whole to DEEPEST_LEVEL at least
     _choose_leaves(light, leaves, lanes, n)
     _square_to_sphere(numbers, n)
@@ -209,9 +219,11 @@ def warp_lanes(products, cut, light, leaves, lanes, n):
 
 @kernel
 def fill_map_coordinates(lookup, lanes, n):
-    """U, V: where the environment's map holds the light from each lane's direction."""
+    """U, V: where the environment's map holds the light from each lane's direction; ask for it."""
     numbers = lanes.numbers
     for s in range(n):
         numbers[U + s], numbers[V + s] = map_coordinates(
             lookup, numbers[DX + s], numbers[DY + s], numbers[DZ + s]
         )
+    for s in range(n):
+        fetch_texels(lookup, numbers[U + s], numbers[V + s])

@@ -26,6 +26,7 @@ CORE_MAY_ALSO_IMPORT = {
     "accel": {"embreex"},
     "embree_rays": {"llvmlite"},
     "exr": {"OpenEXR"},
+    "prefetch": {"llvmlite"},
 }
 # What the parts beside core may import of core; None = all of it. What is not named here, nothing.
 MAY_IMPORT_OF_CORE = {
