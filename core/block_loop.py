@@ -122,6 +122,8 @@ def _lobes_at(lobes, a, b):
         lobes.diffuse_share[a:b],
         lobes.glossy_color[a:b],
         lobes.emission[a:b],
+        lobes.smooth[a:b],
+        lobes.bump[a:b],
         lobes.tint[a:b],
         lobes.table[a:b],
         lobes.tables,

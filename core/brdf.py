@@ -66,6 +66,8 @@ class LobesAt(NamedTuple):
     cos_o: np.float32
     seen: np.float32
     diffuse_share: np.float32
+    smooth: tuple
+    bump: np.float32
     tint: tuple
     table: int
     tables: np.ndarray
@@ -101,6 +103,8 @@ def lobes_at(lobes, p):
         lobes.cos_o[p],
         lobes.seen[p],
         lobes.diffuse_share[p],
+        _row(lobes.smooth, p),
+        lobes.bump[p],
         _row(lobes.tint, p),
         lobes.table[p],
         lobes.tables,
@@ -132,13 +136,33 @@ def eval_at(at, wi_x, wi_y, wi_z):
     at: LobesAt; wi_x, wi_y, wi_z: float32
     """
     if at.kind & MEASURED_LOBE:
-        return eval_measured_at(at, wi_x, wi_y, wi_z)
-    return eval_lobes_at(at, wi_x, wi_y, wi_z)
+        value = eval_measured_at(at, wi_x, wi_y, wi_z)
+    else:
+        value = eval_lobes_at(at, wi_x, wi_y, wi_z)
+    if at.bump == ZERO:
+        return value
+    dr, dg, db, gr, gg, gb = value
+    matte, gloss = bump_gain(at, wi_x, wi_y, wi_z)
+    return dr * matte, dg * matte, db * matte, gr * gloss, gg * gloss, gb * gloss
+
+
+@kernel(forceinline=True)
+def bump_gain(at, wi_x, wi_y, wi_z):
+    """What is left of (Lambert's, glossy) light where a map has turned the normal, as in Cycles.
+
+    Nothing comes from below the smooth surface, and grazing light is shadowed as by the facets of a
+    GGX surface that is as rough as the normal is turned [Estevez19].
+    """
+    cosine = _dot(at.smooth, wi_x, wi_y, wi_z)
+    if cosine <= ZERO:
+        return ZERO, ZERO
+    slope2 = at.bump * (ONE / (cosine * cosine) - ONE)
+    return TWO / (ONE + math.sqrt(ONE + max(slope2, ZERO))), ONE
 
 
 @kernel(forceinline=True)
 def eval_lobes_at(at, wi_x, wi_y, wi_z):
-    """eval_at of a point without a measured BRDF: a branch less in the innermost loop."""
+    """eval_at of a point without measured BRDF and bump: two branches less in innermost loops."""
     cos_n = max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO)
     scale = cos_n * INV_PI
     dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale

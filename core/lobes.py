@@ -39,6 +39,8 @@ class Lobes(NamedTuple):
     wo: float32 (n, 3); cos_o, seen: float32 (n,), glossy_normal . wo and 1 + Lambda(wo)
     diffuse_share: float32 (n,), how often sample_brdf takes the Lambert lobe
     glossy_color: float32 (n, 3), Cycles' Glossy Color; emission: float32 (n, 3), radiance
+    smooth: float32 (n, 3), the surface's own normal, where the shading normal is another; bump:
+        float32 (n,), tan^2 / 8 of the angle between them, at most 1; 0 = the same (bump_gain)
     tint: float32 (n, 3); table: int32 (n,), row of ``tables``: of measured BRDFs
     tables: float32 (m, 90, 90, 180, 3), MeasuredBrdfs.values; the one array that is not by point
     """
@@ -59,6 +61,8 @@ class Lobes(NamedTuple):
     diffuse_share: np.ndarray
     glossy_color: np.ndarray
     emission: np.ndarray
+    smooth: np.ndarray
+    bump: np.ndarray
     tint: np.ndarray
     table: np.ndarray
     tables: np.ndarray

@@ -19,6 +19,7 @@ from .program import Program
 from .scene import MaterialParams, Scene
 from .shading import ShadingPoints, params_at
 
+_ROUGH = 0.125  # GGX width squared over tan^2 of the turn of a normal [Estevez19]
 _VECTORS = ("base_color", "specular_tint")  # columns of MaterialParams
 
 
@@ -49,6 +50,7 @@ class _Columns:
         self.params = params_at(scene.materials, scene.mesh.material_index[points.triangle])
         self.normal = points.normal.copy()
         self.weight = np.ones((len(points.pixel), 3), np.float32)
+        self._turned = np.zeros(len(points.pixel), np.bool_)  # the normal, by a map
 
     def write(self, layer: _Layer, rows: np.ndarray) -> None:
         """Give rows the layer's closure."""
@@ -60,11 +62,14 @@ class _Columns:
         if layer.normal is not None:
             kept = layer.normal.any(axis=1)
             self.normal[rows[kept]] = layer.normal[kept]
+            self._turned[rows[kept]] = True
 
     def lobes(self) -> Lobes:
         points, weight = self.points, self.weight
         own = self.params, self.normal, points.geometric_normal, points.wo
         lobes = setup_lobes(*own, self._measured)
+        if self._turned.any():
+            lobes = lobes._replace(**self._bumps(lobes))
         if (weight == 1.0).all():
             return lobes
         return lobes._replace(
@@ -73,6 +78,18 @@ class _Columns:
             weight=lobes.weight * weight[:, None],
             tint=lobes.tint * weight,
         )
+
+    def _bumps(self, lobes: Lobes) -> dict[str, np.ndarray]:
+        """The columns of Lobes that know how far a normal is turned from the surface's own."""
+        points = self.points
+        facing = np.where((points.geometric_normal * points.wo).sum(1) >= 0.0, 1.0, -1.0)
+        smooth = (points.normal * facing[:, None]).astype(np.float32)
+        cos2 = np.clip((smooth * lobes.normal).sum(1), -1.0, 1.0).astype(np.float64) ** 2
+        slope2 = (1.0 - cos2) / np.maximum(cos2, 1e-12)
+        return {
+            "smooth": smooth,
+            "bump": np.where(self._turned, np.clip(_ROUGH * slope2, 0.0, 1.0), 0.0).astype("f4"),
+        }
 
 
 def surface_lobes(scene: Scene, points: ShadingPoints) -> Lobes:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .brdf import eval_lobes_at, lobes_at, pdf_narrowest_at
+from .brdf import bump_gain, eval_lobes_at, lobes_at, pdf_narrowest_at
 from .environment import eval_map
 from .lanes import BLUE, DIFFUSE, DX, DY, DZ, GLOSSY, GREEN, LANES, OX, OY, OZ, PDF, RED, U, V
 from .light_rays import is_lifted
@@ -120,6 +120,16 @@ def _weigh_measured(at, share, numbers, s, end):
 
 
 @kernel
+def _shadow_bumps(at, numbers, s, end):
+    """Take from the lanes of a point what a turned normal cannot reflect."""
+    for k in range(s, end):
+        matte, gloss = bump_gain(at, numbers[DX + k], numbers[DY + k], numbers[DZ + k])
+        for c in range(3):
+            numbers[DIFFUSE + LANES * c + k] *= matte
+            numbers[GLOSSY + LANES * c + k] *= gloss
+
+
+@kernel
 def weigh_run(task, share, p, lanes, s, end):
     """Finish lanes s ... end - 1, all of point p, but for the question who sees the light.
 
@@ -135,3 +145,5 @@ def weigh_run(task, share, p, lanes, s, end):
         _weigh_measured(at, share, lanes.numbers, s, end)
     else:
         _weigh_glossy(at, share, lanes.numbers, s, end)
+    if at.bump > _ZERO:
+        _shadow_bumps(at, lanes.numbers, s, end)

@@ -9,7 +9,7 @@ import numpy as np
 from ..panorama_places import space_axes
 from ..program import SurfaceData
 from ..scene import Camera, TriangleMesh
-from .values import dot, normalized
+from .values import column, dot, normalized
 
 
 def _in_plane(mesh, triangle, offset):
@@ -128,6 +128,15 @@ class ShadeContext:
         matrix = self._world_to_object[self.object]
         moved = np.einsum("nij,nj->ni", matrix[:, :3, :3], self.position) + matrix[:, :3, 3]
         return moved.astype(np.float32)
+
+    @cached_property
+    def object_normal(self) -> np.ndarray:
+        """float32 (n, 3): of the mesh's front, in the object's own space; between the corners it is
+        shorter than 1, as what Cycles gives to normal maps."""
+        u, v = (column(a) for a in self.barycentric.T)
+        a, b, c = np.moveaxis(self.mesh.corner_normals[self.triangle], 1, 0)
+        a, b, c = (self.normal_to_object(corner) for corner in (a, b, c))
+        return (1.0 - u - v) * a + u * b + v * c
 
     def normal_to_object(self, vectors) -> np.ndarray:
         """World normals in the object's space, unit."""

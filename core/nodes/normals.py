@@ -22,12 +22,11 @@ def normal_map(context, settings, inputs):
         table = context.attribute(settings["table"])
         if table is None:
             return {"Normal": context.normal}
-        tangent = context.vector_to_world(table[:, :3])
-        across = column(np.sign(table[:, 3])) * np.cross(front, tangent)
-        across = np.where(context.surface.mirrored[context.object][:, None], -across, across)
+        tangent, own = table[:, :3], context.object_normal
+        across = column(np.sign(table[:, 3])) * np.cross(own, tangent)
         x, y, z = (column(a) for a in parts(color))
-        turned = normalized(x * tangent + y * across + z * front)
-        turned = np.where((table[:, :3] == 0.0).all(-1, keepdims=True), front, turned)
+        turned = context.normal_to_world(x * tangent + y * across + z * own)
+        turned = np.where((tangent == 0.0).all(-1, keepdims=True), front, turned)
     else:
         if settings["space"].startswith("BLENDER"):
             color = color * np.float32([1.0, -1.0, -1.0])

@@ -53,8 +53,8 @@ lit("Principled, image", principled(Base_Color=image_of))
 lit("Principled, roughness varies", principled(Roughness=lambda t: t.axis("X", 0.1, 0.9)))
 lit("Principled, metallic varies", principled(Metallic=lambda t: t.axis("Z"), Base_Color=image_of))
 lit("Principled, specular varies", principled(Specular_IOR_Level=noise_of))
-lit("Principled, bump", principled(Normal=_bump))
-lit("Principled, normal map", principled(Normal=_normal_map))
+lit("Principled, bump", principled(Normal=_bump), samples=(256, 1024))
+lit("Principled, normal map", principled(Normal=_normal_map), samples=(256, 1024))
 lit(
     "Glossy, roughness varies",
     lambda t: t.made("ShaderNodeBsdfGlossy", 0, {"Roughness": t.axis("Z", 0.15, 0.8)}),
