@@ -13,7 +13,6 @@ WHY = {
     "Glossy, roughness varies": _EDGES,
     "Principled, bump": _BUMP,
     "Principled, normal map": _BUMP,
-    "Principled mixed with a glowing image": "the image lights the others by its mean",
     "Transparent to shadow rays": _RAYS,
     "Transparent by a checker": _EDGES,
     "Principled, alpha by noise": _EDGES,
