@@ -126,6 +126,10 @@ def _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays,
         glossy = 0.0  # a mirror shows nothing of what has no size
     r, g, b = lamps.radiance[i, 0], lamps.radiance[i, 1], lamps.radiance[i, 2]
     if face >= 0:
+        flat = points.geometric_normal
+        above = flat[p, 0] * wi[0] + flat[p, 1] * wi[1] + flat[p, 2] * wi[2]
+        if above * far <= offset:  # the face that the point is on, or one that it turns away from
+            return n
         own = lamps.faces.radiance
         r, g, b = own[face, 0], own[face, 1], own[face, 2]
     total = (dr * r + dg * g + db * b) * diffuse + (gr * r + gg * g + gb * b) * glossy
