@@ -3,6 +3,7 @@
 _EDGES = "edges of a pattern fall between two pixels, and steep highlights; tones agree"
 _RAYS = "Cycles follows BSDF rays through it as well, whose Light Path is another"
 _MOVES = "noise where things move: a pass sees four slices of time (record 24); tones agree"
+_HORIZON = "one row of pixels, in which the sky triples within two texels of .18 degrees"
 _BUMP = "IWIS is brighter; likeliest Cycles' bump shadowing of light below the true surface"
 
 WHY = {
@@ -14,6 +15,7 @@ WHY = {
     "Principled, bump": _BUMP,
     "Principled, normal map": _BUMP,
     "Transparent to shadow rays": _RAYS,
+    "Sky, multiple scattering, horizon seen": _HORIZON,
     "Transparent by a checker": _EDGES,
     "Principled, alpha by noise": _EDGES,
     "Principled, coat varies": "not known; seen at one end of the floor",
