@@ -21,6 +21,7 @@ from ...core.program import Shaders
 from ...core.scene import NO_MEASURED, Scene
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
+from .lamps import LINKING
 from .live import LiveExport
 from .material import MaterialExport, export_shaders
 from .measured import add_measured, without_measured
@@ -102,6 +103,7 @@ def export_scene(
         exposure=film_exposure(scene),
     )
     lamps = _lamps(geometry, unlit, warnings)
+    _warn_of_linking(depsgraph, geometry, unlit, warnings)
     if len(lamps.kind):
         warnings[:] = [line for line in warnings if not line.endswith((NO_LIGHT, NO_WORLD))]
     return dataclasses.replace(unlit, lamps=lamps)
@@ -118,6 +120,20 @@ def _lamps(geometry: MeshExport, scene: Scene, warnings: list[str]):
             reader = NodeReader(geometry.materials[k].name, geometry.material_users[k], warnings)
             reader.warn(None, _TURNED)
     return lamps
+
+
+def _warn_of_linking(depsgraph, geometry: MeshExport, scene: Scene, warnings: list[str]) -> None:
+    """Of objects that shine on some others alone; lamps.py does it for lights."""
+    rows = zip(geometry.materials, scene.materials.emission, strict=False)
+    shining = {material.name for material, emission in rows if material and emission.any()}
+    for obj in depsgraph.objects if shining else ():
+        linking = getattr(obj, "light_linking", None)
+        if obj.type == "LIGHT" or not linking:
+            continue
+        if not (linking.receiver_collection or linking.blocker_collection):
+            continue
+        if any(slot.material and slot.material.name in shining for slot in obj.material_slots):
+            warnings.append(f'object "{obj.name}": {LINKING}')
 
 
 def film_exposure(scene) -> float:
