@@ -9,7 +9,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     pace, lamp_areas, lamp_meshes, prefetch
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
-    glossy_normal, lamp_shapes, emitters
+    glossy_normal, lamp_shapes, emitter_tree
     lens, embree, lobes, pyramid, haar_product,      3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
@@ -18,8 +18,9 @@ In the order of the data; a module imports only from groups with a smaller numbe
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
     light_rays, paper_tables, light_cells, lamp_light, pass_rays, moving_accel
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
-    paper_products, light_tree, backdrop
-    surface, opacity, unbiased, paper, develop       7  shaders at points; the two modes
+    paper_products, light_tree, backdrop, emission_parts
+    surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
+    emitters
     scene_rays, block_loop, reference, catchers      8  UNBIASED's loop; estimators to compare with
     two_stage, tile_job, render_cache                9  another one; a tile's work; what is kept
     merged_layers, tile_lamps, budget, warm_up,     10  closures together; BUDGET

@@ -69,7 +69,7 @@ def powers_of(lamps: Lamps) -> np.ndarray:
     sun = lamps.kind == SUN
     area[sun] = math.pi * np.sin(width[sun]) ** 2
     mesh = lamps.kind == MESH
-    area[mesh] = 0.5 * lamps.faces.area[lamps.span[mesh, 1] - 1]
+    area[mesh], light[mesh] = 0.5, lamps.faces.nodes[lamps.span[mesh, 2], 6]
     beam = (lamps.kind == BEAM) | (lamps.kind == ROUND_BEAM)
     return light * np.where(beam | (area == 0.0), 1.0, area)
 
@@ -113,10 +113,10 @@ def _aim(points, p, target, far, lifted, offset, rays, n):
 
 
 @kernel(forceinline=True)
-def _write(at, points, p, lamps, i, wi, far, weight, lifted, offset, rays, n, sums):
+def _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays, n, sums):
     """Write the light of lamp i from wi as ray n, or add it at once; returns the next n.
 
-    weight: factor of its radiance times the BRDF and the cosine
+    face: of sample_lamp; weight: factor of its radiance times the BRDF and the cosine
     """
     dr, dg, db, gr, gg, gb = eval_at(at, np.float32(wi[0]), np.float32(wi[1]), np.float32(wi[2]))
     seen_by, soft = lamps.seen_by[i], lamps.size[i, 0] > _ZERO
@@ -125,6 +125,13 @@ def _write(at, points, p, lamps, i, wi, far, weight, lifted, offset, rays, n, su
     if at.alpha <= MIN_ALPHA and not (soft and lamps.kind[i] < BEAM):
         glossy = 0.0  # a mirror shows nothing of what has no size
     r, g, b = lamps.radiance[i, 0], lamps.radiance[i, 1], lamps.radiance[i, 2]
+    if face >= 0:
+        flat = points.geometric_normal
+        above = flat[p, 0] * wi[0] + flat[p, 1] * wi[1] + flat[p, 2] * wi[2]
+        if above * far <= offset:  # the face that the point is on, or one that it turns away from
+            return n
+        own = lamps.faces.radiance
+        r, g, b = own[face, 0], own[face, 1], own[face, 2]
     total = (dr * r + dg * g + db * b) * diffuse + (gr * r + gg * g + gb * b) * glossy
     if not 0.0 < total < np.inf:
         return n
@@ -154,19 +161,19 @@ def _power_heuristic(own, other):
 def _to_lamp(at, points, p, lamps, i, share, follows, a, b, offset, rays, n, sums):
     """A sample of lamp i from point p; share: samples of it that are expected."""
     px, py, pz = _float64(points.position, p)
-    nx, ny, nz = _float64(points.normal, p)
-    dx, dy, dz, far, factor, pdf = sample_lamp(lamps, i, px, py, pz, nx, ny, nz, a, b)
+    nx, ny, nz = np.float64(at.normal[0]), np.float64(at.normal[1]), np.float64(at.normal[2])
+    dx, dy, dz, far, factor, pdf, face = sample_lamp(lamps, i, px, py, pz, nx, ny, nz, a, b)
     if not factor > 0.0:
         return n
     weight = factor / (pdf * share)
     if follows and lamps.size[i, 0] > _ZERO and lamps.kind[i] < BEAM:
         by_lobe = pdf_narrowest_at(at, np.float32(dx), np.float32(dy), np.float32(dz))
         weight *= _power_heuristic(pdf * share, np.float64(by_lobe))
-    below, face = np.float64(points.lift_below[p]), points.geometric_normal
-    above = face[p, 0] * dx + face[p, 1] * dy + face[p, 2] * dz
+    below, flat = np.float64(points.lift_below[p]), points.geometric_normal
+    above = flat[p, 0] * dx + flat[p, 1] * dy + flat[p, 2] * dz
     lifted = below > 0.0 and above < below + below
     wi = dx, dy, dz
-    return _write(at, points, p, lamps, i, wi, far, weight, lifted, offset, rays, n, sums)
+    return _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays, n, sums)
 
 
 @kernel(forceinline=True)
@@ -183,15 +190,15 @@ def _by_lobe(at, points, p, lamps, shares, u, v, offset, rays, n, sums):
         return n
     dx, dy, dz = np.float64(x), np.float64(y), np.float64(z)
     px, py, pz = _float64(points.position, p)
-    nx, ny, nz = _float64(points.normal, p)
+    nx, ny, nz = np.float64(at.normal[0]), np.float64(at.normal[1]), np.float64(at.normal[2])
     for i in range(len(lamps.kind)):
         if lamps.size[i, 0] == _ZERO or lamps.kind[i] >= BEAM:
             continue
-        far, factor, by_lamp = meet_lamp(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
+        far, factor, by_lamp, face = meet_lamp(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
         if factor > 0.0:
             weight = factor * _power_heuristic(pdf, by_lamp * shares[i]) / pdf
-            wi = dx, dy, dz
-            n = _write(at, points, p, lamps, i, wi, far, weight, False, offset, rays, n, sums)
+            own = at, points, p, lamps, i, face, (dx, dy, dz), far, weight, False
+            n = _write(*own, offset, rays, n, sums)
     return n
 
 

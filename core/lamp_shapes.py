@@ -150,12 +150,21 @@ def _sample_disc(lamps, i, px, py, pz, a, b):
 
 @kernel
 def sample_lamp(lamps, i, px, py, pz, nx, ny, nz, a, b):
-    """A direction from a point to lamp i: (dx, dy, dz, distance, factor, pdf in sr^-1).
+    """A direction from a point to lamp i: (dx, dy, dz, distance, factor, pdf in sr^-1, face).
 
     The light from there is the lamp's radiance times factor; 0: none, whatever the rest. Of a lamp
     without size pdf is 1 and its intensity or irradiance takes the place of radiance x solid angle.
+    face: row of its radiance in lamps.faces, of a MESH; else -1
     px, py, pz; nx, ny, nz: float64, of the point and its normal; a, b: numbers in [0, 1)
     """
+    if lamps.kind[i] == MESH:
+        return sample_mesh(lamps, i, px, py, pz, nx, ny, nz, a, b)
+    dx, dy, dz, far, factor, pdf = _sample_shape(lamps, i, px, py, pz, nx, ny, nz, a, b)
+    return dx, dy, dz, far, factor, pdf, -1
+
+
+@kernel
+def _sample_shape(lamps, i, px, py, pz, nx, ny, nz, a, b):
     kind = lamps.kind[i]
     if kind == SUN:
         return _sample_sun(lamps, i, a, b)
@@ -163,8 +172,6 @@ def sample_lamp(lamps, i, px, py, pz, nx, ny, nz, a, b):
         return _sample_sphere(lamps, i, px, py, pz, nx, ny, nz, a, b)
     if kind == DISC:
         return _sample_disc(lamps, i, px, py, pz, a, b)
-    if kind == MESH:
-        return sample_mesh(lamps, i, px, py, pz, a, b)
     if kind == BEAM or kind == ROUND_BEAM:
         return sample_beam(lamps, i, px, py, pz)
     return sample_area(lamps, i, px, py, pz, a, b)
@@ -205,15 +212,21 @@ def _meet_ball(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz):
 
 @kernel
 def meet_lamp(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz):
-    """Where a ray meets lamp i, which has a size: (distance, factor, pdf of sample_lamp).
+    """Where a ray meets lamp i, which has a size: (distance, factor, pdf, face as of sample_lamp).
 
-    (0, 0, 0): it does not. px, py, pz; nx, ny, nz: as for sample_lamp; dx, dy, dz: float64, unit
+    (0, 0, 0, -1): it does not. The rest as for sample_lamp; dx, dy, dz: float64, unit
     """
+    if lamps.kind[i] == MESH:
+        return meet_mesh(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
+    far, factor, pdf = _meet_shape(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
+    return far, factor, pdf, -1
+
+
+@kernel
+def _meet_shape(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz):
     kind = lamps.kind[i]
     if kind == SUN:
         return _meet_sun(lamps, i, dx, dy, dz)
     if kind == SPHERE or kind == DISC:
         return _meet_ball(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
-    if kind == MESH:
-        return meet_mesh(lamps, i, px, py, pz, dx, dy, dz)
     return meet_area(lamps, i, px, py, pz, dx, dy, dz)

@@ -1,7 +1,8 @@
 """Lamps: what lights a scene beside its world. Data alone; lamp_shapes.py and lamp_light.py use it.
 
 A lamp is a shape with one radiance all over, which a spot's cone or a spread dims by direction. A
-shape without size has an intensity in its place, or an irradiance where it is a parallel beam.
+shape without size has an intensity in its place, or an irradiance where it is a parallel beam; of a
+MESH each face has a radiance of its own.
 """
 
 from __future__ import annotations
@@ -15,22 +16,32 @@ SUN, SPHERE, DISC, RECTANGLE, ELLIPSE, MESH, BEAM, ROUND_BEAM = range(8)
 # Lamps.seen_by
 BY_DIFFUSE, BY_GLOSSY = 1, 2
 EVERYWHERE = np.float32(-2.0)  # Lamps.cone of what is no spot
-BLOCK = 16  # faces of a MESH that have a ball around them
+BLOCK = 4  # faces of a MESH that have a box around them
 
 
 class LampFaces(NamedTuple):
     """Triangles of lamps of kind MESH: whole blocks of BLOCK rows each, filled up by empty ones.
 
-    corners: float32 (m, 3, 3), world space; area: float64 (m,), m2, of a lamp's faces up to this
-    balls: float64 (m / BLOCK, 4), centre and radius of what a block is within
+    corners: float32 (m, 3, 3), world space; power: float64 (m,), area x strength, 0 = never drawn
+    radiance: float32 (2 m, 3), of a face's front, from where its corners turn left, and its back
+    nodes: float32 (k, 8), of the lamps' trees (emitter_tree.py): lowest and highest corner,
+        power, 0; leaves: int32 (k,), blocks in each
     """
 
     corners: np.ndarray
-    area: np.ndarray
-    balls: np.ndarray
+    power: np.ndarray
+    radiance: np.ndarray
+    nodes: np.ndarray
+    leaves: np.ndarray
 
 
-NO_FACES = LampFaces(np.zeros((0, 3, 3), np.float32), np.zeros(0), np.zeros((0, 4)))
+NO_FACES = LampFaces(
+    np.zeros((0, 3, 3), np.float32),
+    np.zeros(0),
+    np.zeros((0, 3), np.float32),
+    np.zeros((0, 8), np.float32),
+    np.zeros(0, np.int32),
+)
 
 
 class Lamps(NamedTuple):
@@ -45,13 +56,15 @@ class Lamps(NamedTuple):
     forward, right, up: float32 (n, 3), unit: where it shines, and the sides of an area
     size: float32 (n, 2): half the angle of a SUN, 0; radius of SPHERE and DISC, 0; width and
         height; width of the ball around a MESH, 0
-    radiance: float32 (n, 3); where there is no size W/sr, of a SUN without one and of beams W/m2
+    radiance: float32 (n, 3); where there is no size W/sr, of a SUN without one and of beams W/m2,
+        of a MESH not looked at
     to_cone: float32 (n, 3, 3), world directions into the frame in which a spot's cone is round,
         its axis -z; cone: float32 (n, 2), cosine of half its angle (EVERYWHERE: no spot) and the
         inverse of the range of cosines over which its edge is soft
     spread: float32 (n, 2): an area's radiance at an angle a from its axis is multiplied by
         max(0, spread[0] - tan a) spread[1]; spread[0] = infinity: by 1
-    span: int32 (n, 2), first row of a MESH in faces and the row after its last; faces: of all
+    span: int32 (n, 3), first row of a MESH in faces, the row after its last, the root of its tree
+    faces: of all, with the radiance of each
     """
 
     kind: np.ndarray
@@ -95,7 +108,7 @@ def make_lamps(rows: list[dict], faces: LampFaces = NO_FACES) -> Lamps:
     n = len(rows)
     columns = {name: np.zeros((n, *shape), np.float32) for name, shape in _SHAPES.items()}
     columns |= {"kind": np.zeros(n, np.int8), "shadow": np.ones(n, np.bool_)}
-    columns |= {"span": np.zeros((n, 2), np.int32), "faces": faces}
+    columns |= {"span": np.zeros((n, 3), np.int32), "faces": faces}
     columns["seen_by"] = np.full(n, BY_DIFFUSE | BY_GLOSSY, np.int8)
     columns["cone"][:, 0], columns["spread"][:, 0] = EVERYWHERE, np.inf
     columns["forward"][:, 2], columns["right"][:, 0], columns["up"][:, 1] = -1.0, 1.0, 1.0

@@ -94,10 +94,10 @@ class TileLamps:
         mean, squared = light[:, :COLUMNS], light[:, COLUMNS]
         count = np.full(len(light), min(_FIRST, most))
         if most > _FIRST:
-            total = _luminance(mean)
-            spread = np.maximum(squared / _FIRST - (total / _FIRST) ** 2, 0.0) / (_FIRST - 1)
+            total = _squared(mean)
+            spread = np.maximum(squared * _FIRST - total, 0.0) / (_FIRST - 1)
             hidden = (total == 0.0) & (mean[:, UNOCCLUDED] > 0.0)
-            unsure = np.flatnonzero(hidden | (spread * _FIRST**2 > (_SURE * total) ** 2))
+            unsure = np.flatnonzero(hidden | (spread > _SURE**2 * total))
             some, where = [layer.at(unsure) for layer in layers], [p[unsure] for p in places]
             mean[unsure] += self._settled(some, where, _FIRST, most)[:, :COLUMNS]
             count[unsure] = most
@@ -105,13 +105,13 @@ class TileLamps:
         self._add(layers, self._hard, places, 0, self._light, self._accel)
 
     def _settled(self, layers, places, first, end) -> np.ndarray:
-        """float64 (n, COLUMNS + 1): sums of samples first ... end - 1, last squared luminance."""
+        """float64 (n, COLUMNS + 1): sums of samples first ... end - 1, last their _squared."""
         sums = np.zeros((len(places[0]), COLUMNS + 1))
         for k in range(first, end):
             light = np.zeros((len(sums), COLUMNS))
             self._add(layers, self._soft, places, k, light, self._accel)
             sums[:, :COLUMNS] += light
-            sums[:, COLUMNS] += _luminance(light) ** 2
+            sums[:, COLUMNS] += _squared(light)
         return sums
 
     def _add(self, layers, lamps, places, number, light, accel) -> None:
@@ -196,6 +196,11 @@ def _lamps(lamps: Lamps, others: bool) -> Lamps:
         return lamps
     own = lamps.at(lamps.kind != MESH)
     return own._replace(shadow=np.zeros_like(own.shadow))
+
+
+def _squared(light) -> np.ndarray:
+    """Sum of the squares of the three channels: luminance alone would not see specks of colour."""
+    return ((light[:, :3] + light[:, 3:6]) ** 2).sum(axis=1)
 
 
 def _luminance(light) -> np.ndarray:

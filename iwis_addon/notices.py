@@ -68,8 +68,6 @@ def _may_vary(node) -> bool:
     """Whether a node can make a world more than one colour."""
     if node.bl_idname in ("ShaderNodeTexEnvironment", "ShaderNodeTexImage"):
         return node.image is not None
-    if node.bl_idname == "ShaderNodeTexSky":  # one colour, until it is baked
-        return False
     return node.bl_idname.startswith("ShaderNodeTex") or node.bl_idname == "ShaderNodeNewGeometry"
 
 

@@ -5,6 +5,7 @@ import bpy
 from ..iwis_addon.job import ENGINE
 from . import (
     bake_tables,
+    bake_unsupported,
     clear_cache,
     compare_cycles,
     convert_world,
@@ -18,6 +19,7 @@ from . import (
 
 MODULES = (
     bake_tables,
+    bake_unsupported,
     clear_cache,
     compare_cycles,
     convert_world,
@@ -33,6 +35,7 @@ _IN_MENU = (
     "iwis.false_color",
     "iwis.compare_cycles",
     None,
+    "iwis.bake_unsupported",
     "iwis.convert_world",
     "iwis.copy_cycles_settings",
     None,

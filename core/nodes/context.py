@@ -62,6 +62,11 @@ class ShadeContext:
         self.shadow = shadow
         self._distance = distance
 
+    @property
+    def camera_ray(self) -> bool:
+        """Whether the camera asks."""
+        return not self.shadow
+
     @classmethod
     def of_points(cls, scene, points, shadow=False) -> ShadeContext:
         """Of ShadingPoints of a Scene with shaders."""

@@ -205,8 +205,8 @@ def camera_data(context, settings, inputs):
 
 
 def light_path(context, settings, inputs):
-    """Camera rays and shadow rays are all that there is."""
-    camera, shadow = np.float32(not context.shadow), np.float32(context.shadow)
+    """Camera rays, shadow rays, and what asks for light that reaches other surfaces."""
+    camera, shadow = np.float32(context.camera_ray), np.float32(context.shadow)
     values = {"Is Camera Ray": camera, "Is Shadow Ray": shadow, "Ray Length": None}
     values["Ray Length"] = context.ray_length
     return {name: values.get(name, _ZERO) for name in settings["outputs"]}

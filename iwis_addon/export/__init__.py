@@ -14,15 +14,19 @@ live                         a window's scene, of which only what has changed is
 
 from __future__ import annotations
 
+import dataclasses
+
 from ...core.emitters import with_emitters
 from ...core.program import Shaders
 from ...core.scene import NO_MEASURED, Scene
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
+from .lamps import LINKING
 from .live import LiveExport
 from .material import MaterialExport, export_shaders
 from .measured import add_measured, without_measured
 from .mesh import ExportCache, MeshExport, export_mesh
+from .node_values import NodeReader
 from .surface_data import surface_data
 from .world import NO_LIGHT, NO_WORLD, read_world, world_of
 from .world_picture import LEAST_IN_WINDOW
@@ -35,6 +39,11 @@ __all__ = [
     "export_scene",
     "film_exposure",
 ]
+
+_TURNED = (
+    "its emission depends on where it is seen from: as such it is seen, but it lights other "
+    "surfaces in all directions as it does straight ahead"
+)
 
 
 def export_scene(
@@ -75,13 +84,10 @@ def export_scene(
         warnings,
         lambda lines: read_world(depsgraph, lines, texels, cancelled, least_height),
     )
-    lamps = with_emitters(geometry.inventory.lamps, geometry.mesh, materials.params.emission)
-    if len(lamps.kind):
-        warnings[:] = [line for line in warnings if not line.endswith((NO_LIGHT, NO_WORLD))]
     if cancelled():
         raise ExportCancelled
     scene = depsgraph.scene_eval
-    return Scene(
+    unlit = Scene(
         mesh=geometry.mesh,
         materials=materials.params,
         shaders=_shaders(geometry, materials, warnings),
@@ -94,9 +100,40 @@ def export_scene(
         object_flags=geometry.object_flags,
         transparent_film=scene.render.film_transparent,
         measured=measured or NO_MEASURED,
-        lamps=lamps,
         exposure=film_exposure(scene),
     )
+    lamps = _lamps(geometry, unlit, warnings)
+    _warn_of_linking(depsgraph, geometry, unlit, warnings)
+    if len(lamps.kind):
+        warnings[:] = [line for line in warnings if not line.endswith((NO_LIGHT, NO_WORLD))]
+    return dataclasses.replace(unlit, lamps=lamps)
+
+
+def _lamps(geometry: MeshExport, scene: Scene, warnings: list[str]):
+    """The scene's lamps, and its faces that shine."""
+    turned: list[int] = []
+    lamps = with_emitters(
+        geometry.inventory.lamps, scene.mesh, scene.materials.emission, scene, turned
+    )
+    for k in turned:
+        if k < len(geometry.materials) and geometry.materials[k] is not None:
+            reader = NodeReader(geometry.materials[k].name, geometry.material_users[k], warnings)
+            reader.warn(None, _TURNED)
+    return lamps
+
+
+def _warn_of_linking(depsgraph, geometry: MeshExport, scene: Scene, warnings: list[str]) -> None:
+    """Of objects that shine on some others alone; lamps.py does it for lights."""
+    rows = zip(geometry.materials, scene.materials.emission, strict=False)
+    shining = {material.name for material, emission in rows if material and emission.any()}
+    for obj in depsgraph.objects if shining else ():
+        linking = getattr(obj, "light_linking", None)
+        if obj.type == "LIGHT" or not linking:
+            continue
+        if not (linking.receiver_collection or linking.blocker_collection):
+            continue
+        if any(slot.material and slot.material.name in shining for slot in obj.material_slots):
+            warnings.append(f'object "{obj.name}": {LINKING}')
 
 
 def film_exposure(scene) -> float:

@@ -22,7 +22,6 @@ from .program_images import ImageStore
 from .shader_reader import ShaderReader, SurfaceParts, is_constant, is_plain_diffuse
 
 _WHITE, _NO_LIGHT = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
-_LIGHTS_EVENLY = "its emission varies: as such it is seen, but its mean lights other surfaces"
 
 
 class MaterialExport(NamedTuple):
@@ -134,8 +133,6 @@ def _finished(parts: SurfaceParts, builder: ProgramBuilder, reader: NodeReader):
     emission, transparent = builder.added(parts.emission), builder.added(parts.transparent)
     closures = _merged(parts.closures, builder)
     row = _finite(_row_of(closures, emission, builder), reader)
-    if max(row.emission) > 0.0 and not is_constant(emission):
-        reader.warn(None, _LIGHTS_EVENLY)
     if transparent is None and _is_row(closures, emission):
         return row, None, ()
     closures = closures or [Closure(BLACK, GGX, np.ones(3, np.float32), {})]

@@ -15,6 +15,7 @@ from ...core.scene import (
 )
 from .image import ImageError
 from .radiance import mend_radiance
+from .sky import SkyError, read_sky
 from .world_mapping import NotAMatrix, lookup_matrix, own_matrix
 
 _MISSING = np.float32([1.0, 0.0, 1.0])  # Cycles' colour of an image that is not there
@@ -33,13 +34,27 @@ _IN_PARTS = {
 
 
 def _sky(builder, node, groups):
-    mean = _SKY_MEAN.get(node.sky_type, (1.0, 1.0, 1.0))
-    builder.reader.warn(
-        node,
-        f"the sky is not supported: one colour, {tuple(mean)}; for the sky itself, use "
-        "Convert World to HDRI in the world's properties",
+    try:
+        sky = read_sky(node)
+    except SkyError as error:
+        mean = _SKY_MEAN.get(node.sky_type, (1.0, 1.0, 1.0))
+        builder.reader.warn(
+            node,
+            f"the sky cannot be rendered ({error}): one colour, {tuple(mean)}; for the sky itself, "
+            "use Convert World to HDRI in the world's properties",
+        )
+        return {node.outputs[0].identifier: np.float32(mean)}
+    if "Vector" in node.inputs:
+        matrix, inputs = _lookup(builder, node, groups)
+    else:  # Blender takes the socket away where there is a sun's disc
+        matrix, inputs = own_matrix(node, builder.reader.warn), {}
+    environment = EnvironmentMap(
+        radiance=sky,
+        world_to_map=np.ascontiguousarray(matrix, np.float32),
+        name=node.name,
     )
-    return {node.outputs[0].identifier: np.float32(mean)}
+    row = builder.texture(environment, inputs)
+    return {node.outputs[0].identifier: Ref(row, "Color")}
 
 
 def _image_texture(builder, node, groups):

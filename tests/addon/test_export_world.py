@@ -4,6 +4,9 @@ import bpy
 import numpy as np
 import pytest
 
+from iwis.iwis_addon.export import sky, world_textures
+from iwis.iwis_addon.export.sky import SkyError
+from iwis.iwis_addon.world_bake import bake_world
 from support.world_render import (
     RELATIVE,
     add,
@@ -124,7 +127,11 @@ def test_mixed_shaders(scene, tree, texels, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["TexSky", "Blackbody", "Wavelength"])
-def test_unsupported_colour_is_never_black_without_a_word(tree, kind):
+def test_unsupported_colour_is_never_black_without_a_word(tree, kind, monkeypatch):
+    def fails(*_):
+        raise SkyError("no process")
+
+    monkeypatch.setattr(world_textures, "read_sky", fails)
     node, background = add(tree, kind), add(tree, "Background")
     output = next(s for s in node.outputs if s.type == "RGBA")
     tree.links.new(output, background.inputs["Color"])
@@ -133,6 +140,40 @@ def test_unsupported_colour_is_never_black_without_a_word(tree, kind):
     assert looked_up(environment).min() > 0.05
     assert len(warnings) == 1 and node.name in warnings[0] and '"World"' in warnings[0]
     assert kind != "TexSky" or "Convert World to HDRI" in warnings[0]
+
+
+def test_a_sky_that_cannot_be_rendered_says_why(tree, monkeypatch):
+    """Settings that Blender does not know: the child's own words, and nothing is kept."""
+    monkeypatch.setattr(sky, "sky_settings", lambda node: {"sky_type": "GREEN"})
+    with pytest.raises(SkyError, match="GREEN"):
+        sky.read_sky(add(tree, "TexSky"), 8)
+
+
+@pytest.mark.slow
+def test_a_sky_lights_as_the_panorama_of_its_world(tree, scene, tmp_path, monkeypatch):
+    """Its light along the axes with the sun's disc, beside Convert World's panorama of many
+    samples; the second time it is read, not rendered."""
+    monkeypatch.setenv("IWIS_CACHE_DIR", str(tmp_path))
+    node, background = add(tree, "TexSky"), add(tree, "Background")
+    node.sun_elevation, node.sun_rotation, node.sun_size = 1.2, 2.9, 0.03
+    tree.links.new(node.outputs[0], background.inputs["Color"])
+    link(tree, background, add(tree, "OutputWorld"))
+    height = 64
+    own = sky.read_sky(node, height)
+    image = bake_world(scene, height, 2048)
+    baked = np.empty(2 * height * height * 4, np.float32)
+    image.pixels.foreach_get(baked)
+    baked = baked.reshape(height, 2 * height, 4)[..., :3]
+    up = (np.arange(height) + 0.5) / height * np.pi - 0.5 * np.pi
+    round_ = np.pi - (np.arange(2 * height) + 0.5) / height * np.pi
+    axes = np.cos(up)[:, None] * np.cos(round_), np.cos(up)[:, None] * np.sin(round_)
+    for axis in (*axes, np.sin(up)[:, None] + 0.0 * round_, 1.0 + 0.0 * axes[0]):
+        weight = np.cos(up)[:, None, None] * axis[..., None]
+        light = [(picture * weight).sum((0, 1)) for picture in (own, baked)]
+        np.testing.assert_allclose(*light, rtol=0.01, atol=0.003 * light[1].max())
+    sky._LAST.clear()
+    monkeypatch.setattr(sky, "_rendered", None)
+    np.testing.assert_array_equal(sky.read_sky(node, height), own)
 
 
 def test_a_shader_that_cannot_glow_is_black_with_a_warning(tree):

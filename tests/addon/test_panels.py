@@ -231,9 +231,11 @@ def test_warned_objects_are_selected_by_whole_names(cube_scene):
 
 
 def test_advice_before_a_render(cube_scene):
-    """No camera, no world, a world of one colour or a sky: each has a line; an HDRI has none."""
+    """No camera, no world, a world of one colour: each has a line; a sky and an HDRI have none."""
     world, camera = cube_scene.world, cube_scene.camera
-    world.node_tree.nodes.new("ShaderNodeTexSky")
+    sky = world.node_tree.nodes.new("ShaderNodeTexSky")
+    assert advice_before_render(cube_scene) == []
+    world.node_tree.nodes.remove(sky)
     assert ["HDRI" in line for line in advice_before_render(cube_scene)] == [True]
     gradient = world.node_tree.nodes.new("ShaderNodeTexGradient")
     assert advice_before_render(cube_scene) == []

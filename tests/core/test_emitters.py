@@ -55,17 +55,30 @@ def test_nothing_shines_costs_nothing():
 
 @pytest.mark.parametrize("steps", [1, 3, 40])
 def test_lamps_hold_every_face_once(steps):
-    """Areas add up to the sheet's, in whole blocks, each within its ball; at most eight lamps."""
+    """Powers add up to the sheet's, in whole blocks, in boxes of a tree; at most eight lamps."""
     lamps = with_emitters([], sheet(steps), RADIANCE)
     assert (lamps.kind == MESH).all() and len(lamps.kind) == (1 if steps < 4 else 8)
     assert lamps.span[0, 0] == 0 and lamps.span[-1, 1] == len(lamps.faces.corners)
-    assert not (lamps.span % BLOCK).any()
+    assert not (lamps.span[:, :2] % BLOCK).any()
     np.testing.assert_array_equal(lamps.span[1:, 0], lamps.span[:-1, 1])
-    whole = lamps.faces.area[lamps.span[:, 1] - 1].sum()
+    strength = np.sqrt((RADIANCE[1] ** 2).mean())
+    whole = lamps.faces.power.sum() / strength
     np.testing.assert_allclose(whole, 0.6 * 0.3, rtol=1e-5)  # float32 corners
-    blocks = lamps.faces.corners.reshape(-1, BLOCK * 3, 3)
-    far = np.linalg.norm(blocks - lamps.faces.balls[:, None, :3], axis=2)
-    assert (far <= lamps.faces.balls[:, None, 3] + 1e-9).all()
+    for first, end, root in lamps.span:
+        _check_tree(lamps.faces, first // BLOCK, end // BLOCK, root)
+
+
+def _check_tree(faces, first, end, node):
+    """Leaves first ... end - 1 are below a node, within its box, with its power."""
+    assert faces.leaves[node] == end - first
+    rows = slice(first * BLOCK, end * BLOCK)
+    corners = faces.corners[rows].reshape(-1, 3)
+    assert (corners >= faces.nodes[node, :3]).all() and (corners <= faces.nodes[node, 3:6]).all()
+    np.testing.assert_allclose(faces.nodes[node, 6], faces.power[rows].sum(), rtol=1e-5)
+    if end - first > 1:
+        middle = first + faces.leaves[node + 1]
+        _check_tree(faces, first, middle, node + 1)
+        _check_tree(faces, middle, end, node + 2 * faces.leaves[node + 1])
 
 
 CASES = [(steps, turned, name) for steps, turned in ((1, False), (9, True)) for name in MATERIALS]

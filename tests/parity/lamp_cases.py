@@ -3,9 +3,10 @@
 import math
 
 import bpy
+import numpy as np
 
 from .cases import lit_by
-from .scene import Tree
+from .scene import Tree, picture
 
 
 def _lamp(scene, kind, location, target=(0.0, 0.0, -0.4), scale=(1.0, 1.0, 1.0), **settings):
@@ -131,21 +132,30 @@ _case(
 )
 
 
-def _glowing(scene, color, strength=8.0):
-    """A material that shines, and nothing else."""
+def _glow(color, strength):
+    return lambda t: t.made("ShaderNodeEmission", 0, {"Color": color, "Strength": strength})
+
+
+def _glowing(make):
+    """A material of a shader, which shines."""
     material = bpy.data.materials.new("Glow")
     if bpy.app.version < (5, 0):
         material.use_nodes = True
     tree = Tree(material.node_tree)
-    tree.surface(tree.made("ShaderNodeEmission", 0, {"Color": color, "Strength": strength}))
+    tree.surface(make(tree))
     return material
 
 
-def _emitter(name, add, make=_diffuse, world=False, sampling="AUTO", copies=1, **options):
-    """add(k): makes the mesh object k in Blender."""
+_EVEN = _glow((1.0, 0.7, 0.3), 8.0)
+
+
+def _emitter(
+    name, add, make=_diffuse, world=False, copies=1, glow=_EVEN, sampling="AUTO", **options
+):
+    """add(k): makes the mesh object k in Blender; glow(tree): its shader"""
 
     def build(scene, tree):
-        material = _glowing(scene, (1.0, 0.7, 0.3))
+        material = _glowing(glow)
         material.cycles.emission_sampling = sampling
         for k in range(copies):
             add(k)
@@ -183,6 +193,72 @@ for _roughness in (0.05, 0.15, 0.3):
     _emitter(f"Emissive plane, roughness {_roughness}", _plane, _made)
 
 
+def _black_and_white(name="Black and white", size=8):
+    """A packed image of a sharp pattern: uneven stripes, and a few lone texels."""
+    image = bpy.data.images.new(name, size, size)
+    rows, columns = np.mgrid[0:size, 0:size]
+    pixels = np.zeros((size, size, 4), np.float32)
+    pixels[..., :3] = (columns < size / 4)[..., None]
+    pixels[rows + columns == 9] = 1.0
+    pixels[..., 3] = 1.0
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    return image
+
+
+def _sharp(tree):
+    """Emission by a sharp pattern."""
+    uv = tree.coordinates("UV")
+    image = _black_and_white()
+    color = tree.made("ShaderNodeTexImage", 0, {0: uv}, image=image, interpolation="Closest")
+    return tree.made("ShaderNodeEmission", 0, {"Color": color, "Strength": 20.0})
+
+
+def _half_glow(tree):
+    """A paint that a noise mixes with a picture that glows."""
+    color = tree.made("ShaderNodeTexImage", 0, {0: tree.coordinates("UV")}, image=picture())
+    glow = tree.made("ShaderNodeEmission", 0, {"Color": color, "Strength": 15.0})
+    noise = tree.made("ShaderNodeTexNoise", 0, {"Vector": tree.coordinates(), "Scale": 4.0})
+    paint = tree.made("ShaderNodeBsdfPrincipled", 0, {"Base Color": (0.3, 0.5, 0.2)})
+    return tree.made("ShaderNodeMixShader", 0, {0: noise, 1: paint, 2: glow})
+
+
+def _one_sided(tree):
+    """It glows at its back alone, by a picture."""
+    color = tree.made("ShaderNodeTexImage", 0, {0: tree.coordinates("UV")}, image=picture())
+    back = tree.made("ShaderNodeNewGeometry", "Backfacing")
+    strength = tree.made("ShaderNodeMath", 0, {0: back, 1: 12.0}, operation="MULTIPLY")
+    return tree.made("ShaderNodeEmission", 0, {"Color": color, "Strength": strength})
+
+
+def _not_for_the_camera(tree):
+    """A red light that the camera sees as a dim blue."""
+    seen = tree.made("ShaderNodeLightPath", "Is Camera Ray")
+    node = tree.node("ShaderNodeMix", data_type="RGBA")
+    tree.link(seen, node.inputs[0])
+    node.inputs[6].default_value = (9.0, 2.0, 1.0, 1.0)
+    node.inputs[7].default_value = (0.1, 0.1, 0.4, 1.0)
+    return tree.made("ShaderNodeEmission", 0, {"Color": node.outputs[2], "Strength": 1.0})
+
+
+def _low_plane(_):
+    """Upright on the floor, close to the sphere."""
+    bpy.ops.mesh.primitive_plane_add(size=1.6, location=(0.2, -0.9, -0.25), rotation=(1.57, 0, 0.3))
+
+
+def _fine_ball(_):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=320, ring_count=160, radius=0.5, location=_ABOVE)
+
+
+_emitter("Emissive image, sharp, near", _low_plane, glow=_sharp)
+_emitter("Emissive image, sharp, near, roughness 0.15", _low_plane, _principled(0.15), glow=_sharp)
+_FINE = {"glow": _sharp, "samples": (64, 4096)}  # Cycles has nine times the noise of IWIS
+_emitter("Emissive image, sharp, on 101 760 faces", _fine_ball, **_FINE)
+_emitter("Emissive image mixed with paint by noise", _low_plane, glow=_half_glow)
+_emitter("Emissive image on the back alone", _plane, glow=_one_sided)
+_emitter("Emissive, not to the camera", _plane, glow=_not_for_the_camera)
+
+
 def _caught(name, add, transparent):
     """The floor is a shadow catcher; add(scene): what throws shadows on it."""
 
@@ -206,7 +282,7 @@ def _bright_sun(scene):
 def _bright_plane(scene):
     _plane(0)
     bpy.context.object.name = "Light"
-    bpy.context.object.data.materials.append(_glowing(scene, (1.0, 0.9, 0.8), 20.0))
+    bpy.context.object.data.materials.append(_glowing(_glow((1.0, 0.9, 0.8), 20.0)))
 
 
 _caught("Shadow catcher, world alone", lambda scene: None, False)

@@ -4,6 +4,7 @@ _EDGES = "edges of a pattern fall between two pixels, and steep highlights; tone
 _RAYS = "Cycles follows BSDF rays through it as well, whose Light Path is another"
 _MOVES = "noise where things move: a pass sees four slices of time (record 24); tones agree"
 _BUMP = "heights are asked for a little elsewhere: pixels scatter, means of 4 x 4 agree to .5 %"
+_HORIZON = "one row of pixels, in which the sky triples within two texels of .18 degrees"
 
 WHY = {
     "Geometry Parametric": "IWIS has no barycentric coordinates for shaders",
@@ -12,8 +13,8 @@ WHY = {
     "Principled, specular varies": _EDGES,
     "Glossy, roughness varies": _EDGES,
     "Principled, bump": _BUMP,
-    "Principled mixed with a glowing image": "the image lights the others by its mean",
     "Transparent to shadow rays": _RAYS,
+    "Sky, multiple scattering, horizon seen": _HORIZON,
     "Transparent by a checker": _EDGES,
     "Principled, alpha by noise": _EDGES,
     "Principled, coat varies": "not known; seen at one end of the floor",

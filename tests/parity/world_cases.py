@@ -193,3 +193,42 @@ world(
     lambda t: t.made("ShaderNodeMath", 0, {0: _height(t), 1: 0.5}, operation="POWER"),
 )
 world("World, override of the view layer", _override)
+
+
+def _sky(turned=False, seen=True, **settings):
+    """A Sky Texture of a type that this Blender has: 4.5 has one in place of two.
+
+    seen: by the camera; within half a degree of the horizon some skies triple their light
+    """
+
+    def make(t):
+        bpy.context.scene.world.cycles_visibility.camera = seen
+        node = t.node("ShaderNodeTexSky")
+        kinds = [item.identifier for item in node.bl_rna.properties["sky_type"].enum_items]
+        kind = settings.get("sky_type")
+        if kind is not None:
+            node.sky_type = kind if kind in kinds else "NISHITA"
+        for name, value in settings.items():
+            if name != "sky_type":
+                setattr(node, name, value)
+        if turned:
+            mapping = t.node("ShaderNodeMapping")
+            t.link(t.coordinates("Generated"), mapping.inputs["Vector"])
+            mapping.inputs["Rotation"].default_value = 0.3, -0.2, 0.8
+            t.tree.links.new(mapping.outputs[0], node.inputs["Vector"])
+        return t.made("ShaderNodeBackground", 0, {"Color": node.outputs[0], "Strength": 0.2})
+
+    return make
+
+
+_SUN = {"sun_elevation": 0.6, "sun_rotation": 2.2}
+world("Sky, single scattering, disc", _sky(sky_type="SINGLE_SCATTERING", **_SUN))
+world("Sky, multiple scattering, disc", _sky(sky_type="MULTIPLE_SCATTERING", seen=False, **_SUN))
+_NO_DISC = {"sky_type": "MULTIPLE_SCATTERING", "sun_disc": False}
+world("Sky, multiple scattering, no disc", _sky(seen=False, **_NO_DISC))
+world("Sky, multiple scattering, horizon seen", _sky(**_NO_DISC))
+_LOW = {"sun_elevation": 0.1, "sun_rotation": 3.0, "sun_size": 0.004}
+world("Sky, low small sun", _sky(seen=False, **_LOW))
+world("Sky, Preetham", _sky(sky_type="PREETHAM", sun_direction=(0.3, -0.4, 0.6), turbidity=4.0))
+world("Sky, Hosek-Wilkie", _sky(sky_type="HOSEK_WILKIE", sun_direction=(-0.6, -0.3, 0.4)))
+world("Sky, turned", _sky(turned=True, sky_type="PREETHAM", sun_direction=(0.3, -0.4, 0.6)))

@@ -1,0 +1,87 @@
+"""The faces of one lamp as a tree of boxes, by which a face is drawn and a ray finds one.
+
+Leaves are blocks of faces in the order of Morton's curve [Morton66], halved again and again. A node
+stands before its first half, and that before the second one: of a node of n leaves the whole tree
+has 2 n - 1 rows, so that no row needs to know another.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .lamps import BLOCK, LampFaces
+
+_FAR = np.float32(np.inf)
+
+
+def areas_of(corners) -> np.ndarray:
+    """float64 (n,) of float (n, 3, 3): 0 for what is not finite, too."""
+    corners = corners.astype(np.float64)
+    with np.errstate(invalid="ignore", over="ignore"):
+        sides = corners[:, 1:] - corners[:, :1]
+        area = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    return np.where(np.isfinite(area), area, 0.0)
+
+
+def powers_of_faces(corners, radiance) -> np.ndarray:
+    """float64 (n,): area times the root mean square of the channels, of both sides' mean.
+
+    Not luminance: a blue face would be drawn so seldom that it makes specks. radiance: (n, 2, 3)
+    """
+    strength = np.sqrt((radiance.astype(np.float64) ** 2).mean(axis=2)).mean(axis=1)
+    return areas_of(corners) * strength
+
+
+def face_tree(corners, radiance) -> LampFaces:
+    """The faces of one lamp. corners: float32 (n, 3, 3); radiance: float32 (n, 2, 3)"""
+    order = _along_curve(corners.mean(axis=1))
+    corners, radiance = corners[order], radiance[order]
+    missing = -len(corners) % BLOCK
+    empty = np.repeat(corners[-1:, :1], 3, axis=1)
+    corners = np.concatenate([corners, np.repeat(empty, missing, axis=0)])
+    radiance = np.concatenate([radiance, np.zeros((missing, 2, 3), np.float32)])
+    power = powers_of_faces(corners, radiance)
+    blocks = corners.reshape(-1, BLOCK * 3, 3).astype(np.float64)
+    leaf_boxes = np.concatenate([blocks.min(axis=1), blocks.max(axis=1)], axis=1)
+    leaves, boxes, node_power = _grown(leaf_boxes, power.reshape(-1, BLOCK).sum(axis=1))
+    nodes = np.zeros((len(leaves), 8), np.float32)
+    nodes[:, :3] = np.nextafter(np.float32(boxes[:, :3]), -_FAR)
+    nodes[:, 3:6] = np.nextafter(np.float32(boxes[:, 3:]), _FAR)
+    nodes[:, 6] = np.clip(node_power, 1e-30, 1e30)
+    radiance = np.ascontiguousarray(radiance.reshape(-1, 3))
+    return LampFaces(np.ascontiguousarray(corners), power, radiance, nodes, leaves)
+
+
+def _grown(leaf_boxes, leaf_power):
+    """(leaves, boxes, powers) of all nodes over the boxes of leaves, (n, 6), and their powers."""
+    n = len(leaf_boxes)
+    leaves = np.empty(2 * n - 1, np.int32)
+    boxes, power = np.empty((2 * n - 1, 6)), np.empty(2 * n - 1)
+    rows, first, count = np.zeros(1, np.int64), np.zeros(1, np.int64), np.full(1, n)
+    inner = []
+    while len(rows):
+        leaves[rows] = count
+        end = count == 1
+        boxes[rows[end]], power[rows[end]] = leaf_boxes[first[end]], leaf_power[first[end]]
+        rows, first, count = rows[~end], first[~end], count[~end]
+        half = (count + 1) // 2
+        left, right = rows + 1, rows + 2 * half
+        inner.append((rows, left, right))
+        first = np.concatenate([first, first + half])
+        rows, count = np.concatenate([left, right]), np.concatenate([half, count - half])
+    for rows, left, right in reversed(inner):
+        boxes[rows, :3] = np.minimum(boxes[left, :3], boxes[right, :3])
+        boxes[rows, 3:] = np.maximum(boxes[left, 3:], boxes[right, 3:])
+        power[rows] = power[left] + power[right]
+    return leaves, boxes, power
+
+
+def _along_curve(places) -> np.ndarray:
+    """Their order along Morton's curve of 1024 steps a side."""
+    low, size = places.min(axis=0), max(float(np.ptp(places, axis=0).max()), 1e-30)
+    cells = np.clip((places - low) / size * 1023.0, 0.0, 1023.0).astype(np.int64)
+    code = np.zeros(len(places), np.int64)
+    for bit in range(10):
+        for axis in range(3):
+            code |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
+    return np.argsort(code, kind="stable")
