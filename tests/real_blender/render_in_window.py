@@ -1,4 +1,4 @@
-"""Run by Blender's window: previews beside Cycles', Escape in a render, the render after it.
+"""Run by Blender's window: previews beside Cycles', a picked pixel, Escape in a render.
 
 blender STATUE.blend --python render_in_window.py -- FOLDER
 """
@@ -123,14 +123,45 @@ def rendering() -> bool:
     return bpy.app.is_job_running("RENDER")
 
 
-def press(key: str) -> float:
-    """A real key on the window; when it was pressed."""
-    names = subprocess.check_output(["xdotool", "search", "--name", "Blender"], text=True).split()
-    subprocess.run(["xdotool", "windowfocus", "--sync", names[-1]], check=False, timeout=10)
-    subprocess.run(["xdotool", "mousemove", "400", "400"], check=True, timeout=10)
+def xdotool(*words) -> str:
+    return subprocess.check_output(["xdotool", *words], text=True, timeout=20)
+
+
+def press(key: str):
+    """A real key on the window, with the mouse in it; when it was pressed."""
+    window = xdotool("search", "--name", "Blender [0-9]").split()[0]
+    xdotool("windowfocus", window, "mousemove", "400", "400")
+    yield 0.5
+    xdotool("mousemove", "410", "410")
+    yield 0.5
     at = time.perf_counter()
-    subprocess.run(["xdotool", "key", key], check=True, timeout=10)
+    xdotool("key", key)
     return at
+
+
+def click_in_view():
+    """Show Sampling of Pixel, called from another editor: the pixel clicked in a rendered view."""
+    inside.show_rendered()
+    inside.view_area().spaces.active.region_3d.view_perspective = "CAMERA"
+    yield from inside.until(inside.converged, 300.0, "the rendered view")
+    region, window = inside.view_window_region(), bpy.context.window_manager.windows[0]
+    x, y = region.x + region.width // 2, region.y + region.height // 2
+    with bpy.context.temp_override(window=window, area=inside.areas("PROPERTIES")[0]):
+        bpy.ops.iwis.inspect_pixel("INVOKE_DEFAULT")
+    yield 0.5
+    name = xdotool("search", "--name", "Blender [0-9]").split()[0]
+    for shift in (10, 0):
+        xdotool("windowfocus", name, "mousemove", str(x + shift), str(window.height - 1 - y))
+        yield 0.5
+    xdotool("click", "1")
+    yield from inside.until(lambda: "IWIS Sampling" in bpy.data.images, 60.0, "the picked pixel")
+    picked = window.modal_operators[-1] if window.modal_operators else None
+    expect(picked is None, "the click ends the operator")
+    last = bpy.context.window_manager.operators[-1]
+    inside.say(f"clicked pixel ({last.x}, {last.y}) of a view of {region.width}x{region.height}")
+    middle = last.x - region.width // 2, last.y - region.height // 2
+    expect(last.source == "VIEW" and max(map(abs, middle)) <= 1, "the pixel is the mouse's")
+    inside.view_area().spaces.active.shading.type = "SOLID"
 
 
 def result(name: str):
@@ -150,13 +181,13 @@ def escape(scene):
     watch(lines)
     bpy.app.handlers.render_cancel.append(lambda *_: ended.append(time.perf_counter()))
     bpy.context.preferences.view.render_display_type = "AREA"
-    scene.iwis.stop_rule, scene.iwis.max_samples = "FIXED", 4096
+    scene.iwis.stop_rule, scene.iwis.max_samples = "FIXED", 512
     scene.render.resolution_x, scene.render.resolution_y = 800, 800
     start_render(scene)
     yield from inside.until(lambda: any("Remaining:" in each for each in lines), 600.0, "tiles")
     yield 1.0
     yield from inside.screenshot(FOLDER / "rendering.png")
-    at = press("9")  # Escape's code: by name xdotool holds Alt
+    at = yield from press("Escape")
     yield from inside.until(lambda: not rendering(), 30.0, "the end after Escape")
     gone = time.perf_counter() - at
     inside.say("line:", lines[-1])
@@ -183,6 +214,7 @@ def main():
     yield 0.5
     for tab in ("MATERIAL", "WORLD"):
         yield from shot_of_tab(tab)
+    yield from click_in_view()
     yield from escape(scene)
     inside.say("END")
 
