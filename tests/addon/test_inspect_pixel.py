@@ -24,6 +24,7 @@ def orthographic(half_width: float, half_height: float, far: float) -> Matrix:
     return Matrix.Diagonal((1.0 / half_width, 1.0 / half_height, -1.0 / far, 1.0))
 
 
+@pytest.mark.slow
 def test_a_view_through_the_camera_shows_the_same_point(cube_scene):
     """Pixel for pixel what a frame of the region's size shows."""
     cube_scene.render.resolution_x, cube_scene.render.resolution_y = 64, 48
