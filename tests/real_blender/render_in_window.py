@@ -180,7 +180,9 @@ def escape(scene):
     lines, ended = [], []
     watch(lines)
     bpy.app.handlers.render_cancel.append(lambda *_: ended.append(time.perf_counter()))
-    bpy.context.preferences.view.render_display_type = "AREA"
+    preferences = bpy.context.preferences
+    preferences.use_preferences_save = False  # the next script has the same folder
+    preferences.view.render_display_type = "AREA"
     scene.iwis.stop_rule, scene.iwis.max_samples = "FIXED", 512
     scene.render.resolution_x, scene.render.resolution_y = 800, 800
     start_render(scene)
