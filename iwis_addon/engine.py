@@ -10,6 +10,7 @@ from .dependencies import MissingPackage
 from .export import ExportError
 from .job import ENGINE, RenderJob
 from .passes import register_passes
+from .preview import PreviewRender
 from .session import FinalRender
 from .viewport import Viewport
 
@@ -30,7 +31,7 @@ class IWISRenderEngine(bpy.types.RenderEngine):
     bl_use_postprocess = True  # or Blender skips compositing
     bl_use_shading_nodes_custom = False  # or Cycles' shader nodes are hidden
     bl_use_eevee_viewport = True  # Material Preview is EEVEE's
-    bl_use_preview = False  # Blender lights material previews with lamps, not with an HDRI
+    bl_use_preview = True  # thumbnails of materials and worlds
     bl_use_spherical_stereo = False
 
     viewport: Viewport | None = None  # of an engine object that shows the rendered view
@@ -38,7 +39,10 @@ class IWISRenderEngine(bpy.types.RenderEngine):
     def update(self, data=None, depsgraph=None):
         """Export, while Blender keeps its windows still. A failure waits for render()."""
         self.failure = None
-        self.session = FinalRender(self, depsgraph, RenderJob.get())
+        if self.is_preview:
+            self.session = PreviewRender(self, depsgraph)
+        else:
+            self.session = FinalRender(self, depsgraph, RenderJob.get())
         try:
             self.session.export(depsgraph)
         except _CAUGHT as error:
@@ -87,6 +91,9 @@ class IWISRenderEngine(bpy.types.RenderEngine):
         if failure is None:
             return
         text = _message(failure)
+        if self.is_preview:  # a user who edits a material asked for no render
+            log.debug("IWIS: a preview failed: %s", text)
+            return
         self.report({"ERROR"}, text)
         if not bpy.app.background:
             self.error_set(text)

@@ -12,8 +12,7 @@ from .passes import TABLE
 from .preferences import add_on_preferences, cache_dir
 from .sampling_presets import IWIS_PT_sampling_presets
 
-# Blender's panels for every engine that mean nothing here: there are no lamps, no Freestyle, no
-# material previews.
+# Blender's panels for every engine that mean nothing here: there are no lamps and no Freestyle.
 _EXCLUDED = {
     "DATA_PT_distance",
     "DATA_PT_light",
@@ -37,6 +36,7 @@ _SHARED_WITH_EEVEE = {
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
+    "MATERIAL_PT_preview",
     "VIEWLAYER_PT_layer_passes",
 }
 
@@ -241,7 +241,21 @@ class IWIS_PT_passes_iwis(_PassesPanel, bpy.types.Panel):
     group = "IWIS"
 
 
+class IWIS_PT_world_preview(IWISPanel, bpy.types.Panel):
+    bl_label = "Preview"
+    bl_context = "world"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.scene.world is not None and super().poll(context)
+
+    def draw(self, context):
+        self.layout.template_preview(context.scene.world)
+
+
 CLASSES = (
+    IWIS_PT_world_preview,
     IWIS_PT_sampling,
     IWIS_PT_sampling_viewport,
     IWIS_PT_sampling_render,

@@ -126,12 +126,16 @@ class FinalRender:
 
         Without a result Blender dies when it writes the file.
         """
-        for view in result_views(self.engine):
-            if view not in self.delivered:
-                width, height = result_size(self.engine)
-                result = self.engine.begin_result(0, 0, width, height, layer=self.layer, view=view)
-                self.engine.end_result(result)
+        deliver_empty(self.engine, self.layer, self.delivered)
         self.job.mark_rendered()
+
+
+def deliver_empty(engine, layer: str, delivered: set[str]) -> None:
+    """Deliver an empty picture of a view layer for every view but those delivered."""
+    for view in result_views(engine):
+        if view not in delivered:
+            width, height = result_size(engine)
+            engine.end_result(engine.begin_result(0, 0, width, height, layer=layer, view=view))
 
 
 def result_views(engine) -> list[str]:

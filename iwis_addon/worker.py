@@ -50,8 +50,10 @@ class _Worker(threading.Thread):
             self._relay.items.put(_DONE)
 
 
-def run_in_worker(work, sink: TileSink):
+def run_in_worker(work, sink: TileSink, grace_seconds: float = GRACE_SECONDS):
     """Run `work(relay)` in a thread and feed `sink` from this one; return what `work` returned.
+
+    grace_seconds: how long the last tiles are waited for after a cancel
 
     Raises what `work` raised. After a cancel that `work` does not answer in time it is left to end
     by itself, and None is returned: tiles that are done by then have reached the sink.
@@ -60,7 +62,7 @@ def run_in_worker(work, sink: TileSink):
     worker = _Worker(work, relay)
     worker.start()
     try:
-        finished = _feed(relay, sink)
+        finished = _feed(relay, sink, grace_seconds)
     finally:
         relay.stop.set()
     if not finished:
@@ -71,7 +73,7 @@ def run_in_worker(work, sink: TileSink):
     return worker.result
 
 
-def _feed(relay: _Relay, sink: TileSink) -> bool:
+def _feed(relay: _Relay, sink: TileSink, grace_seconds: float) -> bool:
     """Pass items on until the work is done (True), or the time after a cancel is over (False)."""
     started = False
     while not sink.cancelled():
@@ -81,7 +83,7 @@ def _feed(relay: _Relay, sink: TileSink) -> bool:
         started |= item is not None
         _pass_on(item, sink)
     relay.stop.set()
-    deadline = time.monotonic() + GRACE_SECONDS if started else 0.0
+    deadline = time.monotonic() + grace_seconds if started else 0.0
     while (item := _next(relay, max(deadline - time.monotonic(), 0.0))) is not _DONE:
         if item is None:
             return False

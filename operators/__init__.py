@@ -74,6 +74,13 @@ def _add_to_image_menu(self, context):
         self.layout.operator_menu_enum("iwis.false_color", "layer")
 
 
+def _add_to_view_menu(self, context):
+    if context.scene.render.engine == ENGINE and context.space_data.shading.type == "RENDERED":
+        self.layout.separator()
+        self.layout.operator_context = "INVOKE_DEFAULT"
+        self.layout.operator("iwis.inspect_pixel")
+
+
 def register() -> None:
     for module in MODULES:
         for cls in module.CLASSES:
@@ -81,9 +88,11 @@ def register() -> None:
     bpy.utils.register_class(IWIS_MT_render)
     bpy.types.TOPBAR_MT_render.append(_add_to_render_menu)
     bpy.types.IMAGE_MT_image.append(_add_to_image_menu)
+    bpy.types.VIEW3D_MT_view.append(_add_to_view_menu)
 
 
 def unregister() -> None:
+    bpy.types.VIEW3D_MT_view.remove(_add_to_view_menu)
     bpy.types.IMAGE_MT_image.remove(_add_to_image_menu)
     bpy.types.TOPBAR_MT_render.remove(_add_to_render_menu)
     bpy.utils.unregister_class(IWIS_MT_render)

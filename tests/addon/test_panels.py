@@ -30,9 +30,10 @@ NEEDED = (
     "RENDER_PT_frame_range",
     "VIEWLAYER_PT_layer",
     "VIEWLAYER_PT_layer_passes",
+    "MATERIAL_PT_preview",
     "RENDER_PT_color_management",
 )
-SENSELESS = ("DATA_PT_light", "RENDER_PT_freestyle", "MATERIAL_PT_preview", "DATA_PT_lightprobe")
+SENSELESS = ("DATA_PT_light", "RENDER_PT_freestyle", "DATA_PT_lightprobe")
 
 
 def compatible():
@@ -102,6 +103,10 @@ class Layout:
         return types.SimpleNamespace()
 
     template_curve_mapping = prop
+
+    def template_preview(self, data):
+        assert data is None or isinstance(data, bpy.types.ID)
+        self.drawn.append("preview")
 
     def label(self, text="", icon="NONE"):
         self.drawn.append(text)

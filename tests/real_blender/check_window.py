@@ -1,11 +1,13 @@
 """The extension in the window of a real Blender: random edits while the rendered view renders.
 
-    python tests/real_blender/check_window.py [--quick | --measure | --shots FOLDER] [--seed N]
+    python tests/real_blender/check_window.py
+        [--quick | --measure | --shots FOLDER | --render FOLDER] [--seed N]
 
-A hundred and more edits, undo, redo, engine switches, file loads and window resizes, each a step of
-edit_in_window.py; --quick does fewer of them. --measure prints latencies of the rendered view
-(measure_in_window.py), --shots takes the pictures of docs/ (shots_in_window.py) instead. real.py
-says what it needs; as root on Debian it is all there.
+First previews, Escape in a render and the render after it (render_in_window.py; alone with
+--render). Then a hundred and more edits, undo, redo, engine switches, file loads and window
+resizes, each a step of edit_in_window.py; --quick does fewer of them. --measure prints latencies of
+the rendered view (measure_in_window.py), --shots takes the pictures of docs/ (shots_in_window.py)
+instead. real.py says what it needs; as root on Debian it is all there.
 """
 
 import sys
@@ -73,6 +75,7 @@ def main() -> None:
         __doc__,
         (["--quick"], {"action": "store_true", "help": "fewer edits"}),
         (["--measure"], {"action": "store_true", "help": "measure latencies instead"}),
+        (["--render"], {"type": Path, "help": "only previews and renders; pictures go here"}),
         (["--shots"], {"type": Path, "help": "write the screenshots of the docs here instead"}),
         (["--seed"], {"type": int, "default": 1, "help": "other edits"}),
     )
@@ -85,6 +88,12 @@ def main() -> None:
             options.shots.mkdir(parents=True, exist_ok=True)
             words = [options.shots.resolve()]
             run_script(blender, folder, "shots_in_window.py", [samples / "statue.blend"], words)
+            return
+        pictures = options.render or folder / "renders"
+        pictures.mkdir(parents=True, exist_ok=True)
+        words = [pictures.resolve()]
+        run_script(blender, folder, "render_in_window.py", [samples / "statue.blend"], words)
+        if options.render:
             return
         count = QUICK_EDITS if options.quick else EDITS
         words = [options.seed, count, folder, samples / "turntable.blend"]

@@ -46,6 +46,10 @@ def addon():
     return sys.modules[name]
 
 
+def window_scene():
+    return bpy.context.window_manager.windows[0].scene
+
+
 def areas(kind: str) -> list:
     screen = bpy.context.window_manager.windows[0].screen
     return [area for area in screen.areas if area.type == kind]
