@@ -19,6 +19,7 @@ from ...core.scene import PERSPECTIVE, Camera, CameraMotion, Scene
 from .camera import camera_matrix, camera_optics
 from .instances import Instance
 from .object_motion import Motions, object_motion, read_places, read_steps, steps_of
+from .unblurred import Unblurred
 
 # The middle of the shutter's time, in units of it, from the frame.
 _MIDDLE = {"START": 0.5, "CENTER": 0.0, "END": -0.5}
@@ -32,7 +33,7 @@ def export_in_motion(engine, depsgraph, warnings: list[str], export: Callable[..
 
     engine: the RenderEngine, whose frame_set moves depsgraph and scene; they are set back. Without
     motion blur nothing is moved. export(instances=[]): fills in what the scene's objects are
-    warnings: gets a line where objects move that cannot be blurred
+    warnings: gets a line where something moves or changes its shape and is not blurred
     """
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     layer = depsgraph.view_layer_eval
@@ -45,12 +46,14 @@ def export_in_motion(engine, depsgraph, warnings: list[str], export: Callable[..
         if middle != now:
             _go_to(engine, middle)
         exported = export(instances=instances)
-        camera, objects = _motions(engine, depsgraph, exported.camera, middle)
+        unblurred = Unblurred()
+        camera, objects = _motions(engine, depsgraph, exported.camera, middle, unblurred)
     finally:
         _go_to(engine, now)
     times = shutter_times(render)
     moved, still = object_motion(instances, objects, times)
     _tell(depsgraph.scene_eval, still, warnings)
+    warnings.extend(unblurred.lines(depsgraph.scene_eval.name))
     motion = _as_table(*camera, times, keep=moved is not None)
     camera = dataclasses.replace(exported.camera, motion=motion)
     return dataclasses.replace(exported, camera=camera, motion=moved)
@@ -61,7 +64,7 @@ def _go_to(engine, time: float) -> None:
     engine.frame_set(frame, time - frame)
 
 
-def _motions(engine, depsgraph, middle: Camera, time: float):
+def _motions(engine, depsgraph, middle: Camera, time: float, unblurred: Unblurred):
     """((matrices, windows) of the camera at its steps, Motions of the objects)."""
     steps = read_steps(depsgraph)
     camera_steps = steps_of(getattr(depsgraph.scene_eval.camera, "cycles", None))
@@ -73,6 +76,7 @@ def _motions(engine, depsgraph, middle: Camera, time: float):
             _go_to(engine, time + relative * half)
             cameras.append(_camera_now(depsgraph))
             places.append(read_places(depsgraph, steps))
+            unblurred.look(depsgraph)
         else:  # the graph stands elsewhere: this is what was exported
             cameras.append((middle.camera_to_world, middle.window))
             places.append(None)

@@ -1,12 +1,15 @@
 """The camera's motion blur: times, shutter, and that Blender stands at its frame afterwards."""
 
+import functools
 import math
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.motion import shutter_times
+from iwis.iwis_addon.export import export_scene
+from iwis.iwis_addon.export.motion import export_in_motion, shutter_times
 from iwis.iwis_addon.job import RenderJob
 from iwis.iwis_addon.session import FinalRender
 from support.iwis_render import render_iwis
@@ -210,3 +213,46 @@ def test_an_f_curve_of_the_lens_is_motion(moving, rendered):
         37.0, rel=1e-4
     )
     assert bpy.context.scene.camera.data.lens == pytest.approx(36.0)
+
+
+@pytest.fixture
+def told(moving):
+    """Lines that an export with motion gives about what stays sharp."""
+
+    def run():
+        engine = SimpleNamespace(
+            frame_set=lambda frame, part: moving.frame_set(frame, subframe=part)
+        )
+        lines = []
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        export = functools.partial(export_scene, depsgraph, warnings=lines)
+        export_in_motion(engine, depsgraph, lines, export)
+        return [line for line in lines if "not blurred but" in line]
+
+    return run
+
+
+def test_a_changing_shape_is_told_by_name(moving, told):
+    """A shape key that moves a vertex; not while it stands, nor where Cycles does not blur it."""
+    cube = next(obj for obj in moving.objects if obj.type == "MESH")
+    cube.shape_key_add(name="Basis")
+    key = cube.shape_key_add(name="Long")
+    key.data[0].co.z += 1.0
+    assert told() == []
+    for frame, value in ((0, 0.0), (10, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    (line,) = told()
+    assert "1 objects change their shape" in line and cube.name in line
+    cube.cycles.use_deform_motion = False
+    assert told() == []
+
+
+def test_a_moving_lamp_is_told_by_name(moving, told):
+    """Not while it stands."""
+    lamp = bpy.data.objects.new("Torch", bpy.data.lights.new("Torch", "POINT"))
+    moving.collection.objects.link(lamp)
+    assert told() == []
+    _keyed(lamp, location=((0.0, 0.0, 3.0), (4.0, 0.0, 3.0)))
+    (line,) = told()
+    assert "1 moving lamps" in line and "Torch" in line
