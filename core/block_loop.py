@@ -122,6 +122,7 @@ def _lobes_at(lobes, a, b):
         lobes.diffuse_share[a:b],
         lobes.glossy_color[a:b],
         lobes.emission[a:b],
+        lobes.rough[a:b],
         lobes.tint[a:b],
         lobes.table[a:b],
         lobes.tables,

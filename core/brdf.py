@@ -41,6 +41,7 @@ from .microfacet import (
     sample_ggx_visible_normal,
     schlick_weight,
 )
+from .rough_diffuse import roughened
 from .scene import BECKMANN
 
 _TINY = np.float32(1e-12)
@@ -67,6 +68,7 @@ class LobesAt(NamedTuple):
     seen: np.float32
     diffuse_share: np.float32
     tint: tuple
+    rough: tuple
     table: int
     tables: np.ndarray
 
@@ -77,11 +79,6 @@ def _row(a, p):
 
 
 @kernel(forceinline=True)
-def _row2(a, p, i):
-    return a[p, i, 0], a[p, i, 1], a[p, i, 2]
-
-
-@kernel(forceinline=True)
 def lobes_at(lobes, p):
     """Row p of lobes: load it once for all samples of a point."""
     return LobesAt(
@@ -89,11 +86,11 @@ def lobes_at(lobes, p):
         lobes.distribution[p] == BECKMANN,
         lobes.alpha[p],
         _row(lobes.diffuse, p),
-        _row2(lobes.weight, p, DIELECTRIC),
-        _row2(lobes.f0, p, DIELECTRIC),
+        _row(lobes.weight[p], DIELECTRIC),
+        _row(lobes.f0[p], DIELECTRIC),
         _row(lobes.fresnel, p),
-        _row2(lobes.weight, p, CONDUCTOR),
-        _row2(lobes.f0, p, CONDUCTOR),
+        _row(lobes.weight[p], CONDUCTOR),
+        _row(lobes.f0[p], CONDUCTOR),
         _row(lobes.edge, p),
         _row(lobes.normal, p),
         _row(lobes.glossy_normal, p),
@@ -102,6 +99,7 @@ def lobes_at(lobes, p):
         lobes.seen[p],
         lobes.diffuse_share[p],
         _row(lobes.tint, p),
+        (*_row(lobes.rough, p), lobes.rough[p, 3]),
         lobes.table[p],
         lobes.tables,
     )
@@ -133,12 +131,15 @@ def eval_at(at, wi_x, wi_y, wi_z):
     """
     if at.kind & MEASURED_LOBE:
         return eval_measured_at(at, wi_x, wi_y, wi_z)
-    return eval_lobes_at(at, wi_x, wi_y, wi_z)
+    value = eval_lobes_at(at, wi_x, wi_y, wi_z)
+    if at.rough[3] > ZERO:
+        return roughened(at, wi_x, wi_y, wi_z, value)
+    return value
 
 
 @kernel(forceinline=True)
 def eval_lobes_at(at, wi_x, wi_y, wi_z):
-    """eval_at of a point without a measured BRDF: a branch less in the innermost loop."""
+    """eval_at of a point that is neither measured nor rough: fewer branches in the inner loop."""
     cos_n = max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO)
     scale = cos_n * INV_PI
     dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale

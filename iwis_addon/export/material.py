@@ -52,6 +52,7 @@ class _Surface:
     specular_level: float = 0.5
     specular_tint: tuple = _WHITE
     emission: tuple = _NO_LIGHT
+    diffuse_roughness: float = 0.0
 
 
 _NOTHING = _Surface(model=BLACK)

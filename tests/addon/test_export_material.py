@@ -71,7 +71,20 @@ def test_principled_values(build):
         "specular_level": about(0.8),
         "specular_tint": about([0.5, 0.6, 0.7]),
         "emission": [4.0, 2.0, 1.0],
+        "diffuse_roughness": 0.0,
     }
+
+
+def test_rough_diffuse(build):
+    """Its roughness arrives, and it is never added to a smooth one by its colour."""
+    rough = build.node("ShaderNodeBsdfDiffuse", Color=(1, 0.5, 0, 1), Roughness=0.5)
+    row, warnings = only(build.surface(rough))
+    assert (row["model"], row["diffuse_roughness"], warnings) == (DIFFUSE, 0.5, [])
+    smooth = build.node("ShaderNodeBsdfDiffuse", Color=(1, 0.5, 0, 1))
+    links = [(0, rough.outputs[0]), (1, smooth.outputs[0])]
+    material = build.surface(build.node("ShaderNodeAddShader", links=links)).material
+    closures = export_shaders([material], []).programs[0].closures
+    assert sorted(float(c.params["diffuse_roughness"]) for c in closures) == [0.0, 0.5]
 
 
 @pytest.mark.parametrize("kind", ["ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic"])

@@ -51,7 +51,6 @@ def test_unsupported_shader_is_never_black_without_a_word(build, kind):
 
 
 IGNORED = {
-    "Diffuse Roughness": 0.5,
     "Subsurface Weight": 0.5,
     "Anisotropic": 0.5,
     "Transmission Weight": 1.0,
@@ -72,7 +71,6 @@ def test_principled_input_left_out_is_told(build, name):
 @pytest.mark.parametrize(
     ("kind", "values"),
     [
-        ("ShaderNodeBsdfDiffuse", {"Roughness": 0.5}),
         ("ShaderNodeBsdfGlossy", {"Anisotropy": 0.5}),
         ("ShaderNodeBsdfGlossy", {"distribution": "ASHIKHMIN_SHIRLEY"}),
         ("ShaderNodeBsdfMetallic", {"fresnel_type": "PHYSICAL_CONDUCTOR"}),
