@@ -133,15 +133,20 @@ def _surface_of(material, users, warnings, images):
 def _finished(parts: SurfaceParts, builder: ProgramBuilder, reader: NodeReader):
     """(row, program or None, requests) of all that a tree came to."""
     emission, transparent = builder.added(parts.emission), builder.added(parts.transparent)
+    holdout = builder.added(parts.holdout)
     closures = _merged(parts.closures, builder)
     row = _finite(_row_of(closures, emission, builder), reader)
     if max(row.emission) > 0.0 and not is_constant(emission):
         reader.warn(None, _LIGHTS_EVENLY)
-    if transparent is None and _is_row(closures, emission):
+    if transparent is None and holdout is None and _is_row(closures, emission):
         return row, None, ()
     closures = closures or [Closure(BLACK, GGX, np.ones(3, np.float32), {})]
     program = Program(
-        ops=builder.ops, closures=tuple(closures), emission=emission, transparent=transparent
+        ops=builder.ops,
+        closures=tuple(closures),
+        emission=emission,
+        transparent=transparent,
+        holdout=holdout,
     )
     return row, program, builder.requests
 

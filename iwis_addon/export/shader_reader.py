@@ -43,11 +43,12 @@ def is_plain_diffuse(closure: Closure) -> bool:
 
 @dataclass(slots=True)
 class SurfaceParts:
-    """What a tree of shaders comes to: sums of closures, of emission, of what passes through."""
+    """What a tree of shaders comes to: sums of closures, emission, what passes, what is a hole."""
 
     closures: list[Closure] = field(default_factory=list)
     emission: list[Value] = field(default_factory=list)
     transparent: list[Value] = field(default_factory=list)
+    holdout: list[Value] = field(default_factory=list)
 
 
 def _conductor(cosine, n, k):
@@ -230,7 +231,7 @@ class ShaderReader:
         self.parts.emission.append(self._times(weight, glow))
 
     def _holdout(self, node, groups, weight):
-        self._warn(node, "Holdout is not supported: black and opaque")
+        self.parts.holdout.append(weight)
 
     def _other(self, node, groups, weight):
         """A shader that is not supported: a mirror for what is clear, else its color, diffuse."""

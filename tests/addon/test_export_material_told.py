@@ -18,7 +18,7 @@ def build(scene):
 )
 def test_warnings_name_objects(build, users, where):
     """The first object that has the material, and how many more."""
-    build.surface(build.node("ShaderNodeHoldout", "Hole"))
+    build.surface(build.node("ShaderNodeBsdfToon", "Hole"))
     warnings = []
     export_materials([build.material], warnings, [users])
     assert len(warnings) == 1
@@ -37,7 +37,6 @@ OTHERS = {
     "ShaderNodeBsdfRayPortal": DIFFUSE,
     "ShaderNodeEeveeSpecular": DIFFUSE,
     "ShaderNodeVolumeScatter": DIFFUSE,
-    "ShaderNodeHoldout": BLACK,
 }
 
 
