@@ -108,4 +108,5 @@ def stone() -> MaterialParams:
         specular_level=row(0.5),
         specular_tint=row(1.0, 1.0, 1.0),
         emission=row(0.0, 0.0, 0.0),
+        diffuse_roughness=np.zeros(1, np.float32),
     )

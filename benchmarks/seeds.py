@@ -114,6 +114,7 @@ def materials(name: str) -> MaterialParams:
         specular_level=0.5 * ones,
         specular_tint=np.ones((_ROWS, 3), np.float32),
         emission=np.zeros((_ROWS, 3), np.float32),
+        diffuse_roughness=np.zeros(_ROWS, np.float32),
     )
 
 

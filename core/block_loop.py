@@ -124,6 +124,7 @@ def _lobes_at(lobes, a, b):
         lobes.emission[a:b],
         lobes.smooth[a:b],
         lobes.bump[a:b],
+        lobes.rough[a:b],
         lobes.tint[a:b],
         lobes.table[a:b],
         lobes.tables,

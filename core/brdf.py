@@ -41,6 +41,7 @@ from .microfacet import (
     sample_ggx_visible_normal,
     schlick_weight,
 )
+from .rough_diffuse import roughened
 from .scene import BECKMANN
 
 _TINY = np.float32(1e-12)
@@ -69,6 +70,7 @@ class LobesAt(NamedTuple):
     smooth: tuple
     bump: np.float32
     tint: tuple
+    rough: tuple
     table: int
     tables: np.ndarray
 
@@ -79,11 +81,6 @@ def _row(a, p):
 
 
 @kernel(forceinline=True)
-def _row2(a, p, i):
-    return a[p, i, 0], a[p, i, 1], a[p, i, 2]
-
-
-@kernel(forceinline=True)
 def lobes_at(lobes, p):
     """Row p of lobes: load it once for all samples of a point."""
     return LobesAt(
@@ -91,11 +88,11 @@ def lobes_at(lobes, p):
         lobes.distribution[p] == BECKMANN,
         lobes.alpha[p],
         _row(lobes.diffuse, p),
-        _row2(lobes.weight, p, DIELECTRIC),
-        _row2(lobes.f0, p, DIELECTRIC),
+        _row(lobes.weight[p], DIELECTRIC),
+        _row(lobes.f0[p], DIELECTRIC),
         _row(lobes.fresnel, p),
-        _row2(lobes.weight, p, CONDUCTOR),
-        _row2(lobes.f0, p, CONDUCTOR),
+        _row(lobes.weight[p], CONDUCTOR),
+        _row(lobes.f0[p], CONDUCTOR),
         _row(lobes.edge, p),
         _row(lobes.normal, p),
         _row(lobes.glossy_normal, p),
@@ -106,6 +103,7 @@ def lobes_at(lobes, p):
         _row(lobes.smooth, p),
         lobes.bump[p],
         _row(lobes.tint, p),
+        (*_row(lobes.rough, p), lobes.rough[p, 3]),
         lobes.table[p],
         lobes.tables,
     )
@@ -139,6 +137,8 @@ def eval_at(at, wi_x, wi_y, wi_z):
         value = eval_measured_at(at, wi_x, wi_y, wi_z)
     else:
         value = eval_lobes_at(at, wi_x, wi_y, wi_z)
+        if at.rough[3] > ZERO:
+            value = roughened(at, wi_x, wi_y, wi_z, value)
     if at.bump == ZERO:
         return value
     dr, dg, db, gr, gg, gb = value
@@ -162,7 +162,7 @@ def bump_gain(at, wi_x, wi_y, wi_z):
 
 @kernel(forceinline=True)
 def eval_lobes_at(at, wi_x, wi_y, wi_z):
-    """eval_at of a point without measured BRDF and bump: two branches less in innermost loops."""
+    """eval_at of a point neither measured, rough nor bumped: fewer branches in inner loops."""
     cos_n = max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO)
     scale = cos_n * INV_PI
     dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale

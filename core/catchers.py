@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from .backdrop import Backdrop
+from .cutouts import in_holes
 from .incremental import PixelSums
 from .pass_sums import PassSums, add_background, add_seen, new_pass_sums
 from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
@@ -26,10 +27,11 @@ def has_role(scene: Scene, role: int) -> bool:
 
 
 def plays(scene: Scene, points: ShadingPoints, role: int) -> np.ndarray:
-    """bool (n,): the points on objects of a role."""
-    if not has_role(scene, role):
-        return np.zeros(len(points.pixel), np.bool_)
-    return (scene.object_flags[scene.mesh.object_index[points.triangle]] & role) != 0
+    """bool (n,): the points on objects of a role; of a HOLDOUT, or of a material that is one."""
+    found = np.zeros(len(points.pixel), np.bool_)
+    if has_role(scene, role):
+        found = (scene.object_flags[scene.mesh.object_index[points.triangle]] & role) != 0
+    return found | in_holes(scene, points) if role == HOLDOUT else found
 
 
 def arriving(seen: np.ndarray, whole: np.ndarray) -> np.ndarray:

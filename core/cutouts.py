@@ -34,9 +34,13 @@ def cut_materials(scene: Scene) -> np.ndarray | None:
 
 def opacity_gain(program: Program, evaluation: Evaluation, n: int) -> np.ndarray | np.float32:
     """Factor of what a surface shows where it has stopped a ray: float32 (n, 1), or 1."""
-    if program.transparent is None:
+    if program.transparent is None and program.holdout is None:
         return np.float32(1.0)
-    passing = passing_share(program, evaluation)
+    passing = np.zeros(n, np.float32)
+    if program.transparent is not None:
+        passing = passing_share(program, evaluation)
+    if program.holdout is not None:
+        passing = passing + evaluation.vector(program.holdout).mean(axis=1)
     return np.where(passing < _ALL, 1.0 / (1.0 - np.minimum(passing, _ALL)), 1.0)[:, None]
 
 
@@ -55,6 +59,26 @@ def passing_shares(scene: Scene, points: ShadingPoints, shadow: bool = False) ->
             context = ShadeContext.of_points(scene, at_rest, shadow)
             shares[which] = passing_share(program, Evaluation(program, context))
     return shares
+
+
+def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
+    """bool (n,): where a Holdout shader was drawn, by its share of what has stopped the ray."""
+    out = np.zeros(len(points.pixel), np.bool_)
+    programs = () if scene.shaders is None else scene.shaders.programs
+    rows = scene.mesh.material_index[points.triangle]
+    for row, program in enumerate(programs):
+        which = np.flatnonzero(rows == row)
+        if program is None or program.holdout is None or not len(which):
+            continue
+        some = points.at(which)
+        at_rest = points_at_rest(scene.pose, scene.mesh, some)
+        evaluation = Evaluation(program, ShadeContext.of_points(scene, at_rest))
+        share = evaluation.vector(program.holdout).mean(axis=1)
+        if program.transparent is not None:
+            share = share / np.maximum(1.0 - passing_share(program, evaluation), 1e-6)
+        x, y = (np.ascontiguousarray(some.position[:, axis]) for axis in (0, 1))
+        out[which] = drawn_numbers(x, y, some.wo) < share
+    return out
 
 
 def passing_share(program: Program, evaluation: Evaluation) -> np.ndarray:

@@ -39,6 +39,7 @@ from .microfacet import (
     ggx_lambda,
     ior_of_f0,
 )
+from .rough_diffuse import set_rough
 from .scene import (
     BECKMANN,
     DIFFUSE,
@@ -76,7 +77,7 @@ def setup_lobes(
     measured: of the scene
     """
     n = len(normal)
-    shapes = {"weight": (n, 2, 3), "f0": (n, 2, 3)}
+    shapes = {"weight": (n, 2, 3), "f0": (n, 2, 3), "rough": (n, 4)}
     shapes |= dict.fromkeys(("alpha", "cos_o", "seen", "diffuse_share", "bump"), (n,))
     out = {name: np.zeros(shapes.get(name, (n, 3)), np.float32) for name in Lobes._fields}
     out |= {name: np.zeros(n, np.int8) for name in ("kind", "distribution")}
@@ -107,6 +108,8 @@ def _setup(params, normal, geometric_normal, wo, tables, fits, out):
             _add_mirror(params, p, tables, out)
         elif model == MEASURED:
             _add_measured(params, p, fits, out)
+        if model == DIFFUSE or model == PRINCIPLED:
+            set_rough(params, p, dot(out.normal[p], wo[p]), out)
         _set_kind(p, out)
         if model == MEASURED and out.kind[p] != 0 and out.cos_o[p] > ZERO:
             out.kind[p] |= MEASURED_LOBE

@@ -18,7 +18,7 @@ DIELECTRIC, CONDUCTOR = 0, 1
 class Lobes(NamedTuple):
     """The BRDF at n shading points. Vectors are unit, in world space, away from the surface.
 
-    brdf * cos = diffuse / pi * max(normal . wi, 0)
+    brdf * cos = diffuse / pi * max(normal . wi, 0), times a factor where it is rough
                + sum of weight F(wo . h) over both curves * D(h) / (4 cos_o (seen + Lambda(wi)))
 
     A measured BRDF is tint x its table; its Lambert and conductor lobes are fitted to it for this
@@ -41,6 +41,7 @@ class Lobes(NamedTuple):
     glossy_color: float32 (n, 3), Cycles' Glossy Color; emission: float32 (n, 3), radiance
     smooth: float32 (n, 3), the surface's own normal, where the shading normal is another; bump:
         float32 (n,), tan^2 / 8 of the angle between them, at most 1; 0 = the same (bump_gain)
+    rough: float32 (n, 4), rough_diffuse.py: factor of later bounces (r, g, b), and B; 0: Lambert's
     tint: float32 (n, 3); table: int32 (n,), row of ``tables``: of measured BRDFs
     tables: float32 (m, 90, 90, 180, 3), MeasuredBrdfs.values; the one array that is not by point
     """
@@ -63,6 +64,7 @@ class Lobes(NamedTuple):
     emission: np.ndarray
     smooth: np.ndarray
     bump: np.ndarray
+    rough: np.ndarray
     tint: np.ndarray
     table: np.ndarray
     tables: np.ndarray

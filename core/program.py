@@ -60,12 +60,14 @@ class Program:
     closures: at least one; they add up
     emission: a colour, radiance; None: it does not glow
     transparent: a colour, the share of light that goes straight through; None: it is opaque
+    holdout: a colour, the share that is a hole in the picture; None: nothing is
     """
 
     ops: tuple[Op, ...]
     closures: tuple[Closure, ...]
     emission: Value | None = None
     transparent: Value | None = None
+    holdout: Value | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

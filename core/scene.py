@@ -54,6 +54,7 @@ class MaterialParams(NamedTuple):
     base_color: float32 (n, 3), of MEASURED a tint
     metallic, roughness, ior, specular_level: float32 (n,)
     specular_tint: float32 (n, 3); emission: float32 (n, 3), radiance (strength included)
+    diffuse_roughness: float32 (n,), 0: Lambert's (rough_diffuse.py)
     """
 
     model: np.ndarray
@@ -65,6 +66,7 @@ class MaterialParams(NamedTuple):
     specular_level: np.ndarray
     specular_tint: np.ndarray
     emission: np.ndarray
+    diffuse_roughness: np.ndarray
 
 
 class MeasuredBrdfs(NamedTuple):

@@ -16,6 +16,7 @@ from .light_rays import is_lifted
 from .lobes import DIFFUSE_LOBE, MEASURED_LOBE
 from .merl import eval_measured_at
 from .microfacet import INV_PI
+from .rough_diffuse import roughened
 from .sequence import sample_number
 from .terminator import lift_share
 
@@ -130,6 +131,16 @@ def _shadow_bumps(at, numbers, s, end):
 
 
 @kernel
+def _weigh_rough(at, share, numbers, s, end):
+    """The same for a point whose Lambert lobe is rough, with gloss or without."""
+    for k in range(s, end):
+        wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
+        pdf = share * pdf_narrowest_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
+        value = eval_lobes_at(at, wx, wy, wz)
+        _write_light(numbers, k, pdf, roughened(at, wx, wy, wz, value))
+
+
+@kernel
 def weigh_run(task, share, p, lanes, s, end):
     """Finish lanes s ... end - 1, all of point p, but for the question who sees the light.
 
@@ -139,7 +150,9 @@ def weigh_run(task, share, p, lanes, s, end):
     _start_rays(task.points, p, task.offset, lanes.numbers, s, end)
     if task.points.lift_below[p] > _ZERO:
         _lift_rays(task, at, p, lanes, s, end)
-    if at.kind <= DIFFUSE_LOBE:
+    if at.rough[3] > _ZERO and at.kind > 0:
+        _weigh_rough(at, share, lanes.numbers, s, end)
+    elif at.kind <= DIFFUSE_LOBE:
         _weigh_matte(at, share, lanes.numbers, s, end)
     elif at.kind & MEASURED_LOBE:
         _weigh_measured(at, share, lanes.numbers, s, end)

@@ -137,9 +137,9 @@ def make_scene(inputs: Inputs, pair: Pair, size: tuple[int, int]) -> Scene:
     """A picture of figure 4: the mesh of one measured material, filling the frame."""
     row = np.ones((1, 3), np.float32)
     one, zero = np.ones(1, np.float32), np.zeros((1, 3), np.float32)
-    materials = MaterialParams(
-        np.full(1, MEASURED, np.int8), np.full(1, GGX, np.int8), row, one, one, one, one, row, zero
-    )
+    models = np.full(1, MEASURED, np.int8), np.full(1, GGX, np.int8)
+    smooth = np.zeros(1, np.float32)
+    materials = MaterialParams(*models, row, one, one, one, one, row, zero, smooth)
     return Scene(
         mesh=inputs.mesh,
         materials=materials,

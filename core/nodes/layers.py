@@ -26,6 +26,7 @@ def _albedo(context, ior, roughness, normal) -> np.ndarray:
         specular_level=np.full(n, 0.5, np.float32),
         specular_tint=white,
         emission=black,
+        diffuse_roughness=np.zeros(n, np.float32),
     )
     lobes = setup_lobes(coat, normal, context.geometric_normal, context.wo)
     return lobes.glossy_color.max(axis=1)

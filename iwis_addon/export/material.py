@@ -51,6 +51,7 @@ class _Surface:
     specular_level: float = 0.5
     specular_tint: tuple = _WHITE
     emission: tuple = _NO_LIGHT
+    diffuse_roughness: float = 0.0
 
 
 _NOTHING = _Surface(model=BLACK)
@@ -131,13 +132,18 @@ def _surface_of(material, users, warnings, images):
 def _finished(parts: SurfaceParts, builder: ProgramBuilder, reader: NodeReader):
     """(row, program or None, requests) of all that a tree came to."""
     emission, transparent = builder.added(parts.emission), builder.added(parts.transparent)
+    holdout = builder.added(parts.holdout)
     closures = _merged(parts.closures, builder)
     row = _finite(_row_of(closures, emission, builder), reader)
-    if transparent is None and _is_row(closures, emission):
+    if transparent is None and holdout is None and _is_row(closures, emission):
         return row, None, ()
     closures = closures or [Closure(BLACK, GGX, np.ones(3, np.float32), {})]
     program = Program(
-        ops=builder.ops, closures=tuple(closures), emission=emission, transparent=transparent
+        ops=builder.ops,
+        closures=tuple(closures),
+        emission=emission,
+        transparent=transparent,
+        holdout=holdout,
     )
     return row, program, builder.requests
 

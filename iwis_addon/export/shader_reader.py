@@ -17,11 +17,10 @@ from .program_builder import ProgramBuilder
 
 _DISTRIBUTIONS = {"GGX": GGX, "MULTI_GGX": MULTI_GGX, "BECKMANN": BECKMANN}
 _WHITE, _BLACK = np.ones(3, np.float32), np.zeros(3, np.float32)
-_ONE = np.float32(1.0)
+_ONE, _SMOOTH = np.float32(1.0), np.float32(0.0)
 # Principled's inputs that are left out, unless they stand at the value where they do nothing.
 _PRINCIPLED_IGNORES = {
     "Thin Wall": (0.0, "the surface is solid"),
-    "Diffuse Roughness": (0.0, "rendered as Lambert's"),
     "Subsurface Weight": (0.0, "rendered as diffuse"),
     "Anisotropic": (0.0, "rendered as isotropic"),
     "Transmission Weight": (0.0, "rendered as opaque"),
@@ -38,16 +37,18 @@ def is_constant(value, number=None) -> bool:
 
 def is_plain_diffuse(closure: Closure) -> bool:
     """Whether a closure can be added to another one by its colour."""
-    return closure.model == DIFFUSE and closure.normal is None
+    smooth = is_constant(closure.params.get("diffuse_roughness", _SMOOTH), 0.0)
+    return closure.model == DIFFUSE and closure.normal is None and smooth
 
 
 @dataclass(slots=True)
 class SurfaceParts:
-    """What a tree of shaders comes to: sums of closures, of emission, of what passes through."""
+    """What a tree of shaders comes to: sums of closures, emission, what passes, what is a hole."""
 
     closures: list[Closure] = field(default_factory=list)
     emission: list[Value] = field(default_factory=list)
     transparent: list[Value] = field(default_factory=list)
+    holdout: list[Value] = field(default_factory=list)
 
 
 def _conductor(cosine, n, k):
@@ -117,9 +118,9 @@ class ShaderReader:
                 self._warn(node, f"{name} is not supported: {instead}")
 
     def _diffuse(self, node, groups, weight):
-        self._ignored(node, groups, "Roughness", 0.0, "rendered as Lambert's")
         color = self._builder.color(node, "Color", groups)
-        self._close(node, groups, weight, DIFFUSE, base_color=color)
+        rough = self._builder.number(node, "Roughness", groups)
+        self._close(node, groups, weight, DIFFUSE, base_color=color, diffuse_roughness=rough)
 
     def _principled(self, node, groups, weight):
         number, color = self._builder.number, self._builder.color
@@ -133,6 +134,8 @@ class ShaderReader:
             "specular_level": number(node, "Specular IOR Level", groups),
             "specular_tint": color(node, "Specular Tint", groups),
         }
+        if "Diffuse Roughness" in node.inputs:
+            params["diffuse_roughness"] = number(node, "Diffuse Roughness", groups)
         weight = self._alpha(node, groups, weight)
         weight = self._coat(node, groups, weight)
         strength = number(node, "Emission Strength", groups)
@@ -228,7 +231,7 @@ class ShaderReader:
         self.parts.emission.append(self._times(weight, glow))
 
     def _holdout(self, node, groups, weight):
-        self._warn(node, "Holdout is not supported: black and opaque")
+        self.parts.holdout.append(weight)
 
     def _other(self, node, groups, weight):
         """A shader that is not supported: a mirror for what is clear, else its color, diffuse."""
@@ -241,7 +244,7 @@ class ShaderReader:
         if names:
             color = self._builder.color(node, names[0], groups)
         self._warn(node, f"{node.bl_label} is not supported: rendered as Diffuse")
-        self._close(node, groups, weight, DIFFUSE, base_color=color)
+        self._close(node, groups, weight, DIFFUSE, base_color=color, diffuse_roughness=_SMOOTH)
 
     def _transparent(self, node, groups, weight):
         color = self._builder.color(node, "Color", groups)

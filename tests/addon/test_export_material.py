@@ -71,7 +71,34 @@ def test_principled_values(build):
         "specular_level": about(0.8),
         "specular_tint": about([0.5, 0.6, 0.7]),
         "emission": [4.0, 2.0, 1.0],
+        "diffuse_roughness": 0.0,
     }
+
+
+def test_holdout(build):
+    """Of a mixture, its share; without a warning."""
+    hole = build.node("ShaderNodeHoldout")
+    grey = build.node("ShaderNodeBsdfDiffuse")
+    links = [(1, grey.outputs[0]), (2, hole.outputs[0])]
+    mix = build.node("ShaderNodeMixShader", links=links)
+    mix.inputs[0].default_value = 0.25
+    warnings = []
+    program = export_shaders([build.surface(mix).material], warnings).programs[0]
+    assert warnings == [] and program.transparent is None
+    assert program.holdout.tolist() == [0.25] * 3
+    assert program.closures[0].params["base_color"].tolist() == about([0.6] * 3)
+
+
+def test_rough_diffuse(build):
+    """Its roughness arrives, and it is never added to a smooth one by its colour."""
+    rough = build.node("ShaderNodeBsdfDiffuse", Color=(1, 0.5, 0, 1), Roughness=0.5)
+    row, warnings = only(build.surface(rough))
+    assert (row["model"], row["diffuse_roughness"], warnings) == (DIFFUSE, 0.5, [])
+    smooth = build.node("ShaderNodeBsdfDiffuse", Color=(1, 0.5, 0, 1))
+    links = [(0, rough.outputs[0]), (1, smooth.outputs[0])]
+    material = build.surface(build.node("ShaderNodeAddShader", links=links)).material
+    closures = export_shaders([material], []).programs[0].closures
+    assert sorted(float(c.params["diffuse_roughness"]) for c in closures) == [0.0, 0.5]
 
 
 @pytest.mark.parametrize("kind", ["ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic"])

@@ -18,7 +18,7 @@ def build(scene):
 )
 def test_warnings_name_objects(build, users, where):
     """The first object that has the material, and how many more."""
-    build.surface(build.node("ShaderNodeHoldout", "Hole"))
+    build.surface(build.node("ShaderNodeBsdfToon", "Hole"))
     warnings = []
     export_materials([build.material], warnings, [users])
     assert len(warnings) == 1
@@ -37,7 +37,6 @@ OTHERS = {
     "ShaderNodeBsdfRayPortal": DIFFUSE,
     "ShaderNodeEeveeSpecular": DIFFUSE,
     "ShaderNodeVolumeScatter": DIFFUSE,
-    "ShaderNodeHoldout": BLACK,
 }
 
 
@@ -51,7 +50,6 @@ def test_unsupported_shader_is_never_black_without_a_word(build, kind):
 
 
 IGNORED = {
-    "Diffuse Roughness": 0.5,
     "Subsurface Weight": 0.5,
     "Anisotropic": 0.5,
     "Transmission Weight": 1.0,
@@ -72,7 +70,6 @@ def test_principled_input_left_out_is_told(build, name):
 @pytest.mark.parametrize(
     ("kind", "values"),
     [
-        ("ShaderNodeBsdfDiffuse", {"Roughness": 0.5}),
         ("ShaderNodeBsdfGlossy", {"Anisotropy": 0.5}),
         ("ShaderNodeBsdfGlossy", {"distribution": "ASHIKHMIN_SHIRLEY"}),
         ("ShaderNodeBsdfMetallic", {"fresnel_type": "PHYSICAL_CONDUCTOR"}),

@@ -220,3 +220,10 @@ def test_narrowest_lobe_is_the_gloss_alone(kind, rng):
     wi, pdf = sampled(lobes, 0, u)
     np.testing.assert_allclose(narrowest[:, :3], wi, atol=1e-6)  # float32, other order
     np.testing.assert_allclose(narrowest[:, 3], pdf, rtol=1e-4)  # sharp lobe: 1e-6 of direction
+
+
+def test_rough_diffuse_of_white_loses_nothing():
+    """White furnace: the later bounces make up; 2e-3: OpenPBR's rounded mean."""
+    for cosine in COSINES:
+        lobes = points(directions([cosine]), model=DIFFUSE, diffuse_roughness=1.0)
+        assert reflected(lobes, 0)[:3] == pytest.approx([1.0] * 3, abs=2e-3)

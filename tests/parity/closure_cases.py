@@ -101,3 +101,26 @@ lit(
 lit("Transparent from behind", _one_sided)
 lit("Transparent by the angle", _by_angle)
 lit("Transparent, a net that glows", _glowing_net)
+
+
+def _held_out(make):
+    """In a transparent film, alpha compared as well."""
+
+    def build(scene, tree):
+        scene.render.film_transparent = True
+        tree.surface(make(tree))
+
+    return build
+
+
+def _hole(tree):
+    return tree.made("ShaderNodeHoldout", 0)
+
+
+HOLES = {
+    "Holdout": _hole,
+    "Holdout, mixed": lambda t: _mix(t, 0.3, _diffuse(t), _hole(t)),
+    "Holdout by a checker": lambda t: _mix(t, _stripes(t), _diffuse(t), _hole(t)),
+}
+for _name, _make in HOLES.items():
+    cases.CASES.append(cases.Case(_name, _held_out(_make), lit=True, blurred=True, with_alpha=True))

@@ -28,6 +28,10 @@ def principled(**inputs):
     return make
 
 
+def _rough(tree, color, roughness):
+    return tree.made("ShaderNodeBsdfDiffuse", 0, {"Color": color, "Roughness": roughness})
+
+
 def _bump(tree):
     return tree.made("ShaderNodeBump", 0, {"Height": noise_of(tree), "Distance": 0.2})
 
@@ -61,3 +65,23 @@ lit(
 )
 lit("Diffuse, mixed by a mask", _masked_diffuse)
 lit("Principled mixed with a glowing image", _glow_over_paint)
+# Two renders of IWIS with other seeds share some of their error: less of it is wanted here.
+lit("Diffuse, rough", lambda tree: _rough(tree, (0.8, 0.5, 0.2), 1.0), samples=(512, 512))
+lit(
+    "Diffuse, rough by noise",
+    lambda tree: _rough(tree, (0.9, 0.9, 0.9), noise_of(tree)),
+    samples=(512, 512),
+)
+lit(
+    "Principled, rough diffuse",
+    principled(Diffuse_Roughness=0.7, Base_Color=image_of, Roughness=0.4),
+)
+lit(
+    "Diffuse, rough mixed with smooth",
+    lambda tree: tree.made(
+        "ShaderNodeMixShader",
+        0,
+        {0: 0.4, 1: _rough(tree, (0.8, 0.5, 0.2), 0.6), 2: _rough(tree, (0.1, 0.3, 0.8), 0.0)},
+    ),
+    samples=(512, 512),
+)

@@ -21,6 +21,7 @@ def material(n=1, **values) -> MaterialParams:
         "specular_level": 0.5,
         "specular_tint": (1.0, 1.0, 1.0),
         "emission": (0.0, 0.0, 0.0),
+        "diffuse_roughness": 0.0,
     }
     columns = {}
     for name, value in (defaults | values).items():

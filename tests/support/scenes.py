@@ -37,6 +37,7 @@ MATERIAL = {
     "specular_level": 0.5,
     "specular_tint": (1.0, 1.0, 1.0),
     "emission": (0.0, 0.0, 0.0),
+    "diffuse_roughness": 0.0,
 }
 _INT8 = ("model", "distribution")
 
