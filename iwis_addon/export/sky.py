@@ -16,8 +16,6 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.table_cache import load_arrays, save_arrays, table_folder, table_key
-
 log = logging.getLogger(__name__)
 
 HEIGHT = 1024  # pixels; the sun's disc is three wide
@@ -48,6 +46,8 @@ def read_sky(node, height: int = HEIGHT) -> np.ndarray:
 
     The very same array while the settings stay. Raises SkyError where it cannot be rendered.
     """
+    from ...core.table_cache import load_arrays, table_folder, table_key  # numba may be missing
+
     settings = json.dumps(sky_settings(node), sort_keys=True)
     key = table_key("sky", settings, height, bpy.app.version[:2])
     if key not in _LAST:
@@ -64,6 +64,8 @@ def read_sky(node, height: int = HEIGHT) -> np.ndarray:
 
 def _keep(folder: Path, key: str, sky) -> None:
     """On disk, in place of the oldest one."""
+    from ...core.table_cache import save_arrays
+
     warning = save_arrays(folder, key, {"sky": sky})
     if warning:
         log.warning("%s", warning)
