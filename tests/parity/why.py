@@ -3,7 +3,7 @@
 _EDGES = "edges of a pattern fall between two pixels, and steep highlights; tones agree"
 _RAYS = "Cycles follows BSDF rays through it as well, whose Light Path is another"
 _MOVES = "noise where things move: a pass sees four slices of time (record 24); tones agree"
-_BUMP = "heights are asked for a little elsewhere: pixels scatter, means of 4 x 4 agree to .5 %"
+_BUMP = "likely heights asked for a little elsewhere: pixels scatter, means of 4 x 4 agree to .5 %"
 _HORIZON = "one row of pixels, in which the sky triples within two texels of .18 degrees"
 
 WHY = {
