@@ -284,6 +284,5 @@ def register() -> None:
 def unregister() -> None:
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
-    for panel in _subclasses(bpy.types.Panel):
-        if hasattr(panel, "COMPAT_ENGINES") and panel not in CLASSES:
-            panel.COMPAT_ENGINES.discard(ENGINE)
+    for panel in blender_panels():  # and not IWIS' own: theirs is one set, kept for the next time
+        panel.COMPAT_ENGINES.discard(ENGINE)
