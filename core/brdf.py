@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .bump import bump_gain
 from .lobes import (
     CONDUCTOR,
     CONDUCTOR_LOBE,
@@ -32,6 +33,7 @@ from .microfacet import (
     QUARTER,
     TWO,
     ZERO,
+    basis,
     beckmann_d,
     beckmann_lambda,
     dielectric_blend,
@@ -40,6 +42,7 @@ from .microfacet import (
     sample_beckmann_normal,
     sample_ggx_visible_normal,
     schlick_weight,
+    to_world,
 )
 from .rough_diffuse import roughened
 from .scene import BECKMANN
@@ -147,20 +150,6 @@ def eval_at(at, wi_x, wi_y, wi_z):
 
 
 @kernel(forceinline=True)
-def bump_gain(at, wi_x, wi_y, wi_z):
-    """What is left of (Lambert's, glossy) light where a map has turned the normal, as in Cycles.
-
-    Nothing comes from below the smooth surface, and grazing light is shadowed as by the facets of a
-    GGX surface that is as rough as the normal is turned [Estevez19].
-    """
-    cosine = _dot(at.smooth, wi_x, wi_y, wi_z)
-    if cosine <= ZERO:
-        return ZERO, ZERO
-    slope2 = at.bump * (ONE / (cosine * cosine) - ONE)
-    return TWO / (ONE + math.sqrt(ONE + max(slope2, ZERO))), ONE
-
-
-@kernel(forceinline=True)
 def eval_lobes_at(at, wi_x, wi_y, wi_z):
     """eval_at of a point neither measured, rough nor bumped: fewer branches in inner loops."""
     cos_n = max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO)
@@ -235,25 +224,6 @@ def pdf_narrowest_at(at, wi_x, wi_y, wi_z):
 
 
 @kernel(forceinline=True)
-def _basis(n):
-    """Two unit vectors that make a right-handed frame with the unit vector [Duff17]."""
-    x, y, z = n
-    sign = math.copysign(ONE, z)
-    a = -ONE / (sign + z)
-    b = x * y * a
-    return (ONE + sign * x * x * a, sign * b, -sign * x), (b, sign + y * y * a, -y)
-
-
-@kernel(forceinline=True)
-def _to_world(s, t, n, x, y, z):
-    return (
-        x * s[0] + y * t[0] + z * n[0],
-        x * s[1] + y * t[1] + z * n[1],
-        x * s[2] + y * t[2] + z * n[2],
-    )
-
-
-@kernel(forceinline=True)
 def sample_at(at, u1, u2):
     """A direction and its density: (wi_x, wi_y, wi_z, pdf); u1, u2: float32 in [0, 1).
 
@@ -280,24 +250,24 @@ def sample_narrowest_at(at, u1, u2):
 @kernel(forceinline=True)
 def _sample_lambert(at, u1, u2):
     """A direction with density cos / pi."""
-    s, t = _basis(at.normal)
+    s, t = basis(at.normal)
     phi = TWO * PI * u2
     r = math.sqrt(u1)
     z = math.sqrt(max(ONE - u1, _TINY))
-    return _to_world(s, t, at.normal, r * math.cos(phi), r * math.sin(phi), z)
+    return to_world(s, t, at.normal, r * math.cos(phi), r * math.sin(phi), z)
 
 
 @kernel(forceinline=True)
 def _sample_gloss(at, u1, u2):
     """wo, mirrored by a facet."""
     wo = at.wo
-    s, t = _basis(at.glossy_normal)
+    s, t = basis(at.glossy_normal)
     if at.gaussian:
         x, y, z = sample_beckmann_normal(at.alpha, u1, u2)
     else:
         wo_x, wo_y = _dot(wo, s[0], s[1], s[2]), _dot(wo, t[0], t[1], t[2])
         x, y, z = sample_ggx_visible_normal(wo_x, wo_y, at.cos_o, at.alpha, u1, u2)
-    hx, hy, hz = _to_world(s, t, at.glossy_normal, x, y, z)
+    hx, hy, hz = to_world(s, t, at.glossy_normal, x, y, z)
     twice = TWO * _dot(wo, hx, hy, hz)
     return twice * hx - wo[0], twice * hy - wo[1], twice * hz - wo[2]
 

@@ -65,10 +65,13 @@ def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
     """bool (n,): where a Holdout shader was drawn, by its share of what has stopped the ray."""
     out = np.zeros(len(points.pixel), np.bool_)
     programs = () if scene.shaders is None else scene.shaders.programs
+    holes = [(k, p) for k, p in enumerate(programs) if p is not None and p.holdout is not None]
+    if not holes:
+        return out
     rows = scene.mesh.material_index[points.triangle]
-    for row, program in enumerate(programs):
+    for row, program in holes:
         which = np.flatnonzero(rows == row)
-        if program is None or program.holdout is None or not len(which):
+        if not len(which):
             continue
         some = points.at(which)
         at_rest = points_at_rest(scene.pose, scene.mesh, some)

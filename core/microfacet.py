@@ -146,3 +146,23 @@ def f82_edge(f0, tint):
 def f82_mean(f0, edge):
     """Cosine-weighted mean of the F82 curve: 2 int (F0 + (1 - F0) s^5 - edge c s^6) c dc."""
     return f0 + (ONE - f0) * np.float32(1.0 / 21.0) - edge * np.float32(1.0 / 126.0)
+
+
+@kernel(forceinline=True)
+def basis(n):
+    """Two unit vectors that make a right-handed frame with the unit vector [Duff17]."""
+    x, y, z = n
+    sign = math.copysign(ONE, z)
+    a = -ONE / (sign + z)
+    b = x * y * a
+    return (ONE + sign * x * x * a, sign * b, -sign * x), (b, sign + y * y * a, -y)
+
+
+@kernel(forceinline=True)
+def to_world(s, t, n, x, y, z):
+    """(x, y, z) of the frame s, t, n."""
+    return (
+        x * s[0] + y * t[0] + z * n[0],
+        x * s[1] + y * t[1] + z * n[1],
+        x * s[2] + y * t[2] + z * n[2],
+    )

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .bump import turns
 from .cutouts import opacity_gain
 from .lobe_setup import setup_lobes
 from .lobes import Lobes
@@ -19,7 +20,6 @@ from .program import Program
 from .scene import MaterialParams, Scene
 from .shading import ShadingPoints, params_at
 
-_ROUGH = 0.125  # GGX width squared over tan^2 of the turn of a normal [Estevez19]
 _VECTORS = ("base_color", "specular_tint")  # columns of MaterialParams
 
 
@@ -69,7 +69,8 @@ class _Columns:
         own = self.params, self.normal, points.geometric_normal, points.wo
         lobes = setup_lobes(*own, self._measured)
         if self._turned.any():
-            lobes = lobes._replace(**self._bumps(lobes))
+            bump = np.where(self._turned, turns(points.normal, lobes.normal), np.float32(0.0))
+            lobes = lobes._replace(smooth=points.normal, bump=bump)
         if (weight == 1.0).all():
             return lobes
         return lobes._replace(
@@ -78,18 +79,6 @@ class _Columns:
             weight=lobes.weight * weight[:, None],
             tint=lobes.tint * weight,
         )
-
-    def _bumps(self, lobes: Lobes) -> dict[str, np.ndarray]:
-        """The columns of Lobes that know how far a normal is turned from the surface's own."""
-        points = self.points
-        facing = np.where((points.geometric_normal * points.wo).sum(1) >= 0.0, 1.0, -1.0)
-        smooth = (points.normal * facing[:, None]).astype(np.float32)
-        cos2 = np.clip((smooth * lobes.normal).sum(1), -1.0, 1.0).astype(np.float64) ** 2
-        slope2 = (1.0 - cos2) / np.maximum(cos2, 1e-12)
-        return {
-            "smooth": smooth,
-            "bump": np.where(self._turned, np.clip(_ROUGH * slope2, 0.0, 1.0), 0.0).astype("f4"),
-        }
 
 
 def surface_lobes(scene: Scene, points: ShadingPoints) -> Lobes:

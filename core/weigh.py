@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .brdf import bump_gain, eval_lobes_at, lobes_at, pdf_narrowest_at
+from .brdf import eval_lobes_at, lobes_at, pdf_narrowest_at
+from .bump import bump_gain
 from .environment import eval_map
 from .lanes import BLUE, DIFFUSE, DX, DY, DZ, GLOSSY, GREEN, LANES, OX, OY, OZ, PDF, RED, U, V
 from .light_rays import is_lifted

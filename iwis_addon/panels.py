@@ -12,13 +12,12 @@ from .passes import TABLE
 from .preferences import add_on_preferences, cache_dir
 from .sampling_presets import IWIS_PT_sampling_presets
 
-# Blender's panels for every engine that mean nothing here: there are no lamps and no Freestyle.
+# Blender's panels for every engine that mean nothing here, as Freestyle, or too little: EEVEE's
+# panel of a lamp, below, shows the power as well.
 _EXCLUDED = {
     "DATA_PT_distance",
     "DATA_PT_light",
-    "DATA_PT_light_animation",
     "DATA_PT_preview",
-    "DATA_PT_spot",
     "NODE_DATA_PT_light",
 }
 _EXCLUDED_WORDS = (
@@ -31,12 +30,14 @@ _EXCLUDED_WORDS = (
     "speaker",
 )
 
-# EEVEE's panels that only show the node trees, and the passes' parent.
+# EEVEE's panels that only show the node trees and lamps, and the passes' parent.
 _SHARED_WITH_EEVEE = {
+    "DATA_PT_EEVEE_light",
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
     "MATERIAL_PT_preview",
+    "NODE_DATA_PT_EEVEE_light",
     "VIEWLAYER_PT_layer_passes",
 }
 

@@ -10,6 +10,7 @@ from . import (
     measured,
     panels,
     panels_camera,
+    panels_lamp,
     panels_status,
     preferences,
     properties,
@@ -29,6 +30,7 @@ MODULES = (
     sampling_presets,
     panels,
     panels_camera,
+    panels_lamp,
     panels_status,
     measured,
 )

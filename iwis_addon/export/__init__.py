@@ -102,11 +102,8 @@ def export_scene(
         measured=measured or NO_MEASURED,
         exposure=film_exposure(scene),
     )
-    lamps = _lamps(geometry, unlit, warnings)
     _warn_of_linking(depsgraph, geometry, unlit, warnings)
-    if len(lamps.kind):
-        warnings[:] = [line for line in warnings if not line.endswith((NO_LIGHT, NO_WORLD))]
-    return dataclasses.replace(unlit, lamps=lamps)
+    return dataclasses.replace(unlit, lamps=_lamps(geometry, unlit, warnings))
 
 
 def _lamps(geometry: MeshExport, scene: Scene, warnings: list[str]):
@@ -119,6 +116,8 @@ def _lamps(geometry: MeshExport, scene: Scene, warnings: list[str]):
         if k < len(geometry.materials) and geometry.materials[k] is not None:
             reader = NodeReader(geometry.materials[k].name, geometry.material_users[k], warnings)
             reader.warn(None, _TURNED)
+    if len(lamps.kind):
+        warnings[:] = [line for line in warnings if not line.endswith((NO_LIGHT, NO_WORLD))]
     return lamps
 
 

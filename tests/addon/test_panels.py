@@ -9,7 +9,7 @@ import pytest
 import iwis
 from iwis.core.scene import PANORAMAS
 from iwis.core.stats import RenderStats
-from iwis.iwis_addon import dependencies, panels, panels_camera, panels_status
+from iwis.iwis_addon import dependencies, panels, panels_camera, panels_lamp, panels_status
 from iwis.iwis_addon.job import RenderJob, RenderRecord
 from iwis.iwis_addon.notices import advice_before_render, environment_node, merge
 from iwis.iwis_addon.preferences import IWISPreferences
@@ -23,6 +23,8 @@ NEEDED = (
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
     "WORLD_PT_context_world",
+    "DATA_PT_EEVEE_light",
+    "DATA_PT_spot",
     "DATA_PT_lens",
     "DATA_PT_camera",
     "RENDER_PT_format",
@@ -104,6 +106,10 @@ class Layout:
 
     template_curve_mapping = prop
 
+    def template_node_view(self, tree, node, socket):
+        assert node.name in tree.nodes and socket.node == node
+        self.drawn.append("nodes")
+
     def template_preview(self, data):
         assert data is None or isinstance(data, bpy.types.ID)
         self.drawn.append("preview")
@@ -131,6 +137,21 @@ def test_panels_draw_what_exists(scene, cls):
     cls.draw(panel, bpy.context)
     has_children = any(getattr(c, "bl_parent_id", "") == cls.__name__ for c in PANELS)
     assert panel.layout.drawn or has_children
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SUN", "SPOT", "AREA"])
+def test_lamps_can_be_set(scene, kind):
+    """What EEVEE's panel leaves out and IWIS reads: an area's spread, the shadow, the nodes."""
+    context = types.SimpleNamespace(engine="IWIS", light=bpy.data.lights.new("Lamp", kind))
+    shown, drawn = [cls for cls in panels_lamp.CLASSES if cls.poll(context)], []
+    for cls in shown:
+        panel = types.SimpleNamespace(layout=Layout())
+        panel.split_layout = lambda panel=panel: panel.layout
+        cls.draw(panel, context)
+        drawn += panel.layout.drawn
+    assert (panels_lamp.IWIS_PT_lamp_beam in shown) == (kind == "AREA")
+    assert "use_shadow" in drawn and len(drawn) >= len(shown)
+    assert not panels_lamp.IWIS_PT_lamp_settings.poll(types.SimpleNamespace(engine="IWIS"))
 
 
 @pytest.mark.parametrize("kind", PANORAMAS)

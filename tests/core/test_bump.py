@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.brdf import bump_gain
+from iwis.core.bump import bump_gain, turns
 
 
 class _At(NamedTuple):
@@ -25,11 +25,12 @@ def _gains(at, directions, out):
 def _at_elevations(degrees, turned_by):
     """Gains of light from elevations over a surface whose normal is turned by an angle."""
     up = (np.float32(0.0), np.float32(0.0), np.float32(1.0))
-    slope = math.tan(math.radians(turned_by))
+    turn = math.radians(turned_by)
+    normal = np.float32([[math.sin(turn), 0.0, math.cos(turn)]])
     angle = np.radians(degrees)
     directions = np.stack([np.cos(angle), 0.0 * angle, np.sin(angle)], -1).astype(np.float32)
     out = np.zeros((len(degrees), 2), np.float32)
-    _gains(_At(up, np.float32(0.125 * slope * slope)), directions, out)
+    _gains(_At(up, turns(np.float32([up]), normal)[0]), directions, out)
     return out
 
 
