@@ -35,10 +35,6 @@ def final_render():
 
 def spoil(scene):
     """Objects that IWIS cannot show as they are."""
-    for number in range(3):
-        lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
-        lamp.location = number, 2.0, 3.0
-        scene.collection.objects.link(lamp)
     scene.collection.objects.link(bpy.data.objects.new("Hair", bpy.data.hair_curves.new("Hair")))
     for name in ("Cloth", "Silk"):
         mesh = bpy.data.meshes.new(name)
