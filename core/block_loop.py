@@ -100,6 +100,7 @@ def _points_at(points, a, b):
         points.normal[a:b],
         points.lift[a:b],
         points.lift_below[a:b],
+        points.through[a:b],
     )
 
 

@@ -49,7 +49,8 @@ class CaughtPasses:
     def add(self, scene: Scene, world: Backdrop, seen, sums: PixelSums, state: PassSums) -> None:
         """Add a pass. seen, sums: of points on catchers; state: learns how noisy the pixels are."""
         points = seen.points
-        behind = world.radiance(-points.wo) * np.float32(scene.environment.visible_to_camera)
+        behind = world.radiance(-points.wo) * points.through
+        behind *= np.float32(scene.environment.visible_to_camera)
         add_seen(points.pixel, points.normal, seen.lobes, sums, self._sums)
         add_background(points.pixel, behind, False, self._sums)
         if scene.transparent_film:
@@ -86,8 +87,8 @@ def show_caught(
             if name == "combined" and not scene.transparent_film:
                 flat[place[rows], 3] = 1.0
     share = arriving((sums.diffuse + sums.glossy)[caught], sums.unoccluded[caught])
-    behind = world.radiance(-points.wo[caught]) * np.float32(scene.environment.visible_to_camera)
-    behind = behind * scene.exposure
+    behind = world.radiance(-points.wo[caught]) * points.through[caught] * scene.exposure
+    behind = behind * np.float32(scene.environment.visible_to_camera)
     _write(scene, layers, place[caught], share, behind, np.ones((len(caught), 1)))
 
 

@@ -7,6 +7,7 @@ import functools
 
 import numpy as np
 
+from .ambient_occlusion import TileOcclusion
 from .camera import pixel_grid, rays_through
 from .catchers import plays, show_caught
 from .develop import MissedRays, PlacedPoints, develop_points
@@ -54,6 +55,7 @@ class CenterTile:
         self._missed: MissedRays | None = None
         self._places = np.zeros(0, np.int32)
         self._lamps: TileLamps | None = None
+        self._occlusion: TileOcclusion | None = None
         self._traced = self._primary = 0
 
     def advance(self, samples: int) -> bool:
@@ -115,6 +117,7 @@ class CenterTile:
         shown = ~(caught | plays(scene, points, HOLDOUT))
         exposure = np.where(shown, float(scene.exposure), 0.0)
         self._lamps.add_to_layers(layers, slice(None), self._places, exposure)
+        self._occlusion.add_to_layers(layers, slice(None), self._places, shown.astype(float))
         sums = self._with_lamps(np.flatnonzero(caught), points, sums)
         show_caught(scene, self._job.seen_world, points, self._places, sums, layers)
         return Tile(*self.rect, layers)
@@ -146,7 +149,7 @@ class CenterTile:
             len(count),
             int(count.sum()),
             int(count.max(initial=0)),
-            self._traced + self._lamps.traced,
+            self._traced + self._lamps.traced + self._occlusion.traced,
             self._primary,
         )
 
@@ -169,11 +172,12 @@ class CenterTile:
         columns, rows = frame_places(whole, pixel)
         rays = rays_through(scene.camera, columns + 0.5, rows + 0.5)
         self._primary += len(rays.origins)
-        points = trace_points(self._job, rays, dither_of(columns, rows))
+        tints = np.ones((len(pixel), 3), np.float32)
+        points = trace_points(self._job, rays, dither_of(columns, rows), tints)
         missed = np.ones(len(pixel), np.bool_)
         missed[points.pixel] = False
         places = places_in(self.rect, columns, rows)
-        self._missed = MissedRays(places[missed], rays.directions[missed])
+        self._missed = MissedRays(places[missed], rays.directions[missed], tints[missed])
         self._places = places[points.pixel]
         bounds = cell_bounds(points, ends)
         layers = with_all_lobes(scene, points._replace(pixel=pixel[points.pixel]))
@@ -183,8 +187,15 @@ class CenterTile:
             self._sums = [new_sums(len(of)) for _, of in layers]
             n = len(bounds) - 1 if self._learns else 0
             self._guides = [new_guides(n) for _ in layers]
-            self._lamps = TileLamps(scene, self._job.settings, self._job.accel, len(points.pixel))
-            self._lamps.settle(layers, (columns[points.pixel], rows[points.pixel]))
+            self._settle(layers, (columns[points.pixel], rows[points.pixel]))
+
+    def _settle(self, layers: list[ClosureLayer], where) -> None:
+        """Have what is sampled once and for all. where: column and row in the frame"""
+        own = self._job.scene, self._job.settings, self._job.accel, len(where[0])
+        self._lamps, self._occlusion = TileLamps(*own), TileOcclusion(*own)
+        self._lamps.settle(layers, where)
+        first = layers[0].seen
+        self._occlusion.settle(first.points.facing_viewer(), first.lobes, where)
 
 
 def places_in(rect: Rect, columns: np.ndarray, rows: np.ndarray) -> np.ndarray:

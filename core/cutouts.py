@@ -1,8 +1,9 @@
 """Surfaces that let a part of the rays through: leaves, fences, mixtures with Transparent BSDF.
 
 Whether a ray goes on is drawn, with the share that the material lets through as probability; so a
-ray is never split, and shadow rays stay yes or no. What does not let a ray through is brighter by
-the inverse of the probability of that (docs/decisions/0022-closures-and-cut-outs.md).
+ray is never split, and shadow rays stay yes or no: what is coloured throws a grey shadow. What does
+not let a ray through is brighter by the inverse of the probability of that
+(docs/decisions/0022-closures-and-cut-outs.md).
 """
 
 from __future__ import annotations
@@ -12,14 +13,11 @@ import numpy as np
 from .nodes import Evaluation, ShadeContext
 from .poses import points_at_rest, posed_points
 from .program import Program
-from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .scene import Scene
 from .shading import ShadingPoints
 
 # Surfaces that a ray goes through; the next one is opaque. Cycles' own limit is 8, and black.
 MOST_LAYERS = 64
-_GOLDEN = 0.6180339887498949
-LUMINANCE = np.float32([LUMINANCE_R, LUMINANCE_G, LUMINANCE_B])
 # Above, a surface that is drawn all the same is not made brighter: there is nothing to be seen.
 _ALL = np.float32(0.9999)
 
@@ -49,7 +47,12 @@ def passing_shares(scene: Scene, points: ShadingPoints, shadow: bool = False) ->
 
     shadow: whether they are shadow rays, which a material may be told (Light Path)
     """
-    shares = np.zeros(len(points.pixel), np.float32)
+    return _share_of(_passing_colors(scene, points, shadow))
+
+
+def _passing_colors(scene: Scene, points: ShadingPoints, shadow: bool) -> np.ndarray:
+    """float32 (n, 3): what goes on at each point."""
+    colors = np.zeros((len(points.pixel), 3), np.float32)
     rows = scene.mesh.material_index[points.triangle]
     for row in np.unique(rows):
         program = scene.shaders.programs[row]
@@ -57,8 +60,14 @@ def passing_shares(scene: Scene, points: ShadingPoints, shadow: bool = False) ->
             which = np.flatnonzero(rows == row)
             at_rest = points_at_rest(scene.pose, scene.mesh, points.at(which))
             context = ShadeContext.of_points(scene, at_rest, shadow)
-            shares[which] = passing_share(program, Evaluation(program, context))
-    return shares
+            evaluation = Evaluation(program, context)
+            colors[which] = np.maximum(evaluation.vector(program.transparent), 0.0)
+    return colors
+
+
+def _share_of(color: np.ndarray) -> np.ndarray:
+    """The mean over the colours: so the opacity of a film is that of Cycles."""
+    return np.clip(color.mean(axis=1), 0.0, 1.0)
 
 
 def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
@@ -86,29 +95,41 @@ def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
 
 def passing_share(program: Program, evaluation: Evaluation) -> np.ndarray:
     """float32 (n,): the probability that a ray goes on, at the points of an evaluation."""
-    return np.clip(evaluation.vector(program.transparent) @ LUMINANCE, 0.0, 1.0)
+    return _share_of(np.maximum(evaluation.vector(program.transparent), 0.0))
 
 
 def points_through(
-    scene: Scene, accel, origins: np.ndarray, directions: np.ndarray, dither: np.ndarray | None
+    scene: Scene,
+    accel,
+    origins: np.ndarray,
+    directions: np.ndarray,
+    dither: np.ndarray | None,
+    tints: np.ndarray | None = None,
 ) -> ShadingPoints:
     """The points where camera rays end; ``pixel`` is the row of the ray, ascending.
 
-    dither: float (n,) in [0, 1): a ray goes on where it is below the share that passes, and a new
-        one follows for the next surface; None: where half or more passes
+    dither: float (n,) in [0, 1): a ray goes on where it is below the share that passes; over that
+        share it is the number for the next surface; None: where half or more passes
+    tints: float32 (n, 3), of ones; gets ShadingPoints.through of each ray, those too that hit
+        nothing in the end
     """
+    tints = np.ones((len(origins), 3), np.float32) if tints is None else tints
     hit, u, v = accel.intersect(origins, directions)
     offsets = scene.terminator_offset
     points = posed_points(scene.pose, scene.mesh, hit, u, v, directions, offsets)
     if cut_materials(scene) is None:
         return points
-    ended = []
-    for layer in range(MOST_LAYERS):
-        passing = passing_shares(scene, points)
-        number = 0.5 if dither is None else (dither[points.pixel] + layer * _GOLDEN) % 1.0
+    ended, numbers = [], None if dither is None else np.array(dither, np.float64)
+    for _ in range(MOST_LAYERS):
+        color = _passing_colors(scene, points, False)
+        passing = _share_of(color)
+        number = np.full(len(passing), 0.5) if numbers is None else numbers[points.pixel]
         goes = number < passing
         ended.append(points.at(~goes))
         points = points.at(goes)
+        tints[points.pixel] *= color[goes] / passing[goes, None]
+        if numbers is not None:
+            numbers[points.pixel] = number[goes] / passing[goes]
         if not len(points.pixel):
             break
         rays = points.pixel
@@ -118,7 +139,8 @@ def points_through(
         points = points._replace(pixel=rays[points.pixel])
     ended.append(points)
     found = ShadingPoints(*map(np.concatenate, zip(*ended, strict=True)))
-    return found.at(np.argsort(found.pixel, kind="stable"))
+    found = found.at(np.argsort(found.pixel, kind="stable"))
+    return found._replace(through=tints[found.pixel])
 
 
 def behind(points: ShadingPoints, offset: float) -> tuple[np.ndarray, np.ndarray]:

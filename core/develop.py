@@ -31,11 +31,13 @@ class PlacedPoints(NamedTuple):
 class MissedRays(NamedTuple):
     """The rays that see the world, or nothing.
 
-    place: their pixels, as PlacedPoints.place; directions: float32 (n, 3), zeros = nothing
+    place: their pixels, as PlacedPoints.place; directions: float32 (n, 3), zeros = nothing;
+    through: as ShadingPoints.through
     """
 
     place: np.ndarray
     directions: np.ndarray
+    through: np.ndarray
 
 
 class PointLayers(NamedTuple):
@@ -142,7 +144,8 @@ def _write_background(scene, world, missed, flat) -> None:
     if not len(place):
         return
     if scene.environment.visible_to_camera:
-        radiance = world.radiance(missed.directions[inside]) * np.float32(scene.exposure)
+        radiance = world.radiance(missed.directions[inside]) * missed.through[inside]
+        radiance *= np.float32(scene.exposure)
         flat.environment[place] = radiance
         if not scene.transparent_film:
             flat.combined[place, :3] = radiance

@@ -25,6 +25,7 @@ LAYERS = {
     "diffuse_color": 3,
     "glossy_direct": 3,
     "glossy_color": 3,
+    "ambient_occlusion": 3,  # of an even sky, what is seen within Scene.occlusion_distance
     "shadow_catcher": 3,  # of the light that catchers reflect, what arrives; 1 elsewhere
     "sample_count": 1,  # samples divided by max_samples: Cycles' Debug Sample Count
     "samples": 1,  # shadow rays of the pixel

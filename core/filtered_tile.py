@@ -123,7 +123,11 @@ class FilteredTile:
         )
         weight = float(scene.exposure) / np.maximum(sums.passes, 1)
         self._sampler.show_caught(inside, layers)
-        self._sampler.lamps.add_to_layers(layers, inside, np.arange(len(inside)), weight)
+        place = np.arange(len(inside))
+        self._sampler.lamps.add_to_layers(layers, inside, place, weight)
+        self._sampler.occlusion.add_to_layers(
+            layers, inside, place, 1.0 / np.maximum(sums.passes, 1)
+        )
         return Tile(x, y, width, height, layers)
 
     def rest(self) -> None:
@@ -137,7 +141,7 @@ class FilteredTile:
             int((hits > 0).sum()),
             int(count.sum()),
             int(count.max()),
-            self._sampler.traced + self._sampler.lamps.traced,
+            self._sampler.all_traced,
             self._primary,
         )
 
@@ -158,15 +162,15 @@ class FilteredTile:
         """One more shading point with ``count`` samples for each active pixel."""
         parts = []
         for job, looked, time in self._in_time(self._looked()):
-            points, missed, directions = self._look(job, looked, time)
+            points, missed = self._look(job, looked, time)
             self._sampler.look_at(job)
             found = self._sampler.gather(points, count, self._passes)
-            parts.append((job, found, missed, directions))
+            parts.append((job, found, missed))
         if self._passes and self._job.stop.is_set():
             return  # a pass that was cut short would darken those before it
-        for job, found, missed, directions in parts:
+        for job, found, missed in parts:
             self._sampler.look_at(job)
-            self._add_world(missed, directions)
+            self._add_world(*missed)
             for add, *own in found:
                 add(*own)
         known = self._sampler.lamps.known(self._sums)
@@ -191,10 +195,12 @@ class FilteredTile:
             yield self._job.slices[number], looked[slices == number], float(times[number])
 
     def _look(self, job: Job, looked, time):
-        """The pixels' next points: (points, pixels that see the world, their directions)."""
+        """The pixels' next points: (points, (pixels that see the world, their directions and
+        ShadingPoints.through))."""
         pilot = self._passes < PILOT
         rays = self._rays(looked, time)
-        points = trace_points(job, rays, self._dither(looked))
+        tints = np.ones((len(looked), 3), np.float32)
+        points = trace_points(job, rays, self._dither(looked), tints)
         self._primary += len(looked)
         missed = np.ones(len(looked), np.bool_)
         missed[points.pixel] = False
@@ -204,7 +210,7 @@ class FilteredTile:
             inside = self._cell >= 0
             missed &= inside[looked]
             points = points.at(inside[points.pixel])
-        return points, looked[missed], rays.directions[missed]
+        return points, (looked[missed], rays.directions[missed], tints[missed])
 
     def _dither(self, pixels) -> np.ndarray | None:
         """What cut-outs draw in this pass (cutouts.points_through), if there may be any."""
@@ -222,14 +228,14 @@ class FilteredTile:
         scene, settings = self._job.scene, self._job.settings
         return pass_rays(scene.camera, settings, columns, rows, self._passes, time)
 
-    def _add_world(self, pixels, directions) -> None:
+    def _add_world(self, pixels, directions, tints) -> None:
         scene, looks = self._job.scene, directions.any(axis=1)
         if not looks.all():
             self._sums.blind[pixels[~looks]] += 1
-            pixels, directions = pixels[looks], directions[looks]
+            pixels, directions, tints = pixels[looks], directions[looks], tints[looks]
         if not len(pixels) or not scene.environment.visible_to_camera:
             return
-        radiance = self._job.seen_world.radiance(directions)
+        radiance = self._job.seen_world.radiance(directions) * tints
         add_background(pixels, radiance, not scene.transparent_film, self._sums)
 
     def _goes_on(self) -> np.ndarray:

@@ -18,6 +18,7 @@ def merge_layers(layers: list[ClosureLayer], sums: list[PixelSums]) -> tuple[See
     errors that have nothing to do with each other.
     """
     first = layers[0].seen
+    first = first._replace(points=first.points.facing_viewer())
     if len(layers) == 1:
         return first, sums[0]
     n = len(first.rows)

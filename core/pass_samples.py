@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 
+from .ambient_occlusion import TileOcclusion
 from .catchers import CaughtPasses, has_role, plays
 from .guide import new_guides
 from .incremental import PixelSums, new_sums
@@ -30,7 +31,8 @@ from .tile_lamps import TileLamps
 class PassSampler:
     """Samples the points of a tile's passes.
 
-    lamps: what they bring to the pixels; traced: shadow rays so far, without the lamps'
+    lamps: what they bring to the pixels; occlusion: the pass of that name
+    traced: shadow rays so far, without theirs
     """
 
     def __init__(self, job: Job, around: Rect, cell: np.ndarray, state: PassSums):
@@ -40,12 +42,19 @@ class PassSampler:
         self._guides = new_guides(self._n_cells if job.settings.estimator == "UNBIASED" else 0)
         self._caught = CaughtPasses(n) if has_role(job.scene, SHADOW_CATCHER) else None
         self.lamps = TileLamps(job.scene, job.settings, job.accel, n)
+        self.occlusion = TileOcclusion(job.scene, job.settings, job.accel, n)
         self.traced = 0
 
     def look_at(self, job: Job) -> None:
         """Work at another slice of the shutter's time from now on: one of job.slices."""
         self._job = job
         self.lamps.look_at(job.accel)
+        self.occlusion.look_at(job.accel)
+
+    @property
+    def all_traced(self) -> int:
+        """All shadow rays so far."""
+        return self.traced + self.lamps.traced + self.occlusion.traced
 
     def gather(self, points: ShadingPoints, count: int, number: int) -> list[tuple]:
         """Sample what pass ``number`` sees, ``count`` samples a point.
@@ -75,10 +84,11 @@ class PassSampler:
         return with_all_lobes(self._job.scene, points if which.all() else points.at(which))
 
     def _add_seen(self, layers, sums, number) -> None:
-        points = layers[0].seen.points
         seen, sums = merge_layers(layers, sums)
+        points = seen.points
         places = frame_places(self._around, points.pixel)
         self.lamps.add_pass(layers, places, number, sums)
+        self.occlusion.add_pass(points, seen.lobes, places, number)
         add_seen(points.pixel, points.normal, seen.lobes, sums, self._state)
 
     def _add_caught(self, layers, sums, number, accel) -> None:

@@ -40,6 +40,8 @@ PANORAMAS = {
 
 # MaterialParams.model
 DIFFUSE, PRINCIPLED, GLOSSY, BLACK, MEASURED = 0, 1, 2, 3, 4
+# Closure.model alone: DIFFUSE on the side that is turned away from the viewer
+TRANSLUCENT = 5
 # Bits of Scene.object_flags
 CAMERA_RAYS, SHADOW_RAYS, HOLDOUT, SHADOW_CATCHER = 1, 2, 4, 8
 # MaterialParams.distribution
@@ -247,6 +249,7 @@ class Scene:
     backdrop: what camera rays that hit nothing see in place of environment; None = the same
     transparent_film: alpha 0 where the camera sees the world
     exposure: factor of the film
+    occlusion_distance: metres that rays of the ambient-occlusion pass go; 0 = it is not wanted
     measured: the BRDFs that materials of model MEASURED name by their row
     lamps: what lights the scene beside its environment
     motion: of objects while the shutter is open; pose: the slice of it that a copy of the scene
@@ -265,6 +268,7 @@ class Scene:
     backdrop: EnvironmentMap | WorldProgram | None = None
     transparent_film: bool = False
     exposure: float = 1.0
+    occlusion_distance: float = 0.0
     measured: MeasuredBrdfs = NO_MEASURED
     lamps: Lamps = NO_LAMPS
     motion: ObjectMotion | None = None

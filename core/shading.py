@@ -21,6 +21,8 @@ class ShadingPoints(NamedTuple):
         that the camera sees
     lift: float32 (n, 3), metres, from the face to the smooth patch over it; lift_below: float32
         (n,), the cosine below which a shadow ray gets part of it, 0 = none (terminator.py)
+    through: float32 (n, 3), factor of what the camera sees of the point: colour of the cut-outs
+        that its ray has gone through, over the probability of that (cutouts.py); 1 of none
     """
 
     pixel: np.ndarray
@@ -31,15 +33,35 @@ class ShadingPoints(NamedTuple):
     normal: np.ndarray
     lift: np.ndarray
     lift_below: np.ndarray
+    through: np.ndarray
 
     def at(self, which) -> ShadingPoints:
         """Those of a slice, a mask or indices."""
         return ShadingPoints(*(np.ascontiguousarray(column[which]) for column in self))
 
+    def from_behind(self, which: np.ndarray) -> ShadingPoints:
+        """The same, those of a mask, bool (n,), on the other side of their surface.
+
+        There is no patch over that side (terminator.py): where a surface bulges, none would be.
+        """
+        side = np.where(which, np.float32(-1.0), np.float32(1.0))
+        own = np.where(which, np.float32(0.0), np.float32(1.0))
+        return self._replace(
+            geometric_normal=self.geometric_normal * side[:, None],
+            normal=self.normal * side[:, None],
+            lift=self.lift * own[:, None],
+            lift_below=self.lift_below * own,
+        )
+
+    def facing_viewer(self) -> ShadingPoints:
+        """The same, none from behind."""
+        away = np.einsum("ij,ij->i", self.geometric_normal, self.wo) < 0.0
+        return self.from_behind(away) if away.any() else self
+
 
 @kernel
 def _interpolate(vertices, triangles, corner_normals, hit, u, v, directions, points):
-    """Fill all but pixel and lift_below."""
+    """Fill all but pixel, lift_below and through."""
     for k in range(len(points.pixel)):
         pixel = points.pixel[k]
         triangle = hit[pixel]
@@ -95,7 +117,8 @@ def shading_points(
     pixel = np.flatnonzero(hit >= 0).astype(np.int32)
     n = len(pixel)
     vectors = (np.empty((n, 3), np.float32) for _ in range(5))
-    points = ShadingPoints(pixel, hit[pixel], *vectors, np.zeros(n, np.float32))
+    through = np.ones((n, 3), np.float32)
+    points = ShadingPoints(pixel, hit[pixel], *vectors, np.zeros(n, np.float32), through)
     _interpolate(mesh.vertices, mesh.triangles, mesh.corner_normals, hit, u, v, directions, points)
     if terminator_offset is not None:
         # A flat face has no patch over it.

@@ -17,7 +17,7 @@ from .lobes import Lobes
 from .nodes import Evaluation, ShadeContext
 from .poses import points_at_rest, posed_normals
 from .program import Program
-from .scene import MaterialParams, Scene
+from .scene import DIFFUSE, TRANSLUCENT, MaterialParams, Scene
 from .shading import ShadingPoints, params_at
 
 _VECTORS = ("base_color", "specular_tint")  # columns of MaterialParams
@@ -49,22 +49,34 @@ class _Columns:
         self.points, self._measured = points, scene.measured
         self.params = params_at(scene.materials, scene.mesh.material_index[points.triangle])
         self.normal = points.normal.copy()
-        self.weight = np.ones((len(points.pixel), 3), np.float32)
+        self.weight = points.through.copy()
         self._turned = np.zeros(len(points.pixel), np.bool_)  # the normal, by a map
+        self._behind = np.zeros(len(points.pixel), np.bool_)  # TRANSLUCENT
 
     def write(self, layer: _Layer, rows: np.ndarray) -> None:
         """Give rows the layer's closure."""
         params: MaterialParams = self.params
-        params.model[rows], params.distribution[rows] = layer.closure
+        model, params.distribution[rows] = layer.closure
+        params.model[rows] = DIFFUSE if model == TRANSLUCENT else model
+        self._behind[rows] = model == TRANSLUCENT
         for name, values in layer.params.items():
             getattr(params, name)[rows] = values
-        self.weight[rows] = layer.weight
+        self.weight[rows] = layer.weight * self.points.through[rows]
         if layer.normal is not None:
             kept = layer.normal.any(axis=1)
             self.normal[rows[kept]] = layer.normal[kept]
             self._turned[rows[kept]] = True
 
-    def lobes(self) -> Lobes:
+    def made(self) -> tuple[ShadingPoints, Lobes]:
+        """The points, on the side that their closure shines from, and its lobes."""
+        lobes = self._lobes()
+        if not self._behind.any():
+            return self.points, lobes
+        side = np.where(self._behind, np.float32(-1.0), np.float32(1.0))[:, None]
+        lobes = lobes._replace(normal=lobes.normal * side, smooth=lobes.smooth * side)
+        return self.points.from_behind(self._behind), lobes
+
+    def _lobes(self) -> Lobes:
         points, weight = self.points, self.weight
         own = self.params, self.normal, points.geometric_normal, points.wo
         lobes = setup_lobes(*own, self._measured)
@@ -81,9 +93,9 @@ class _Columns:
         )
 
 
-def surface_lobes(scene: Scene, points: ShadingPoints) -> Lobes:
-    """The lobes of points, float32, one row each: of several closures the one of the greatest
-    weight, with the weight of all."""
+def surface_lobes(scene: Scene, points: ShadingPoints) -> tuple[ShadingPoints, Lobes]:
+    """The points, on the side that they shine from, and their lobes, float32, one row each: of
+    several closures the one of the greatest weight, with the weight of all."""
     columns = _Columns(scene, points)
     for which, program, context in _materials_of(scene, points):
         layers, glow = _evaluate(program, context, which, scene.pose)
@@ -92,11 +104,15 @@ def surface_lobes(scene: Scene, points: ShadingPoints) -> Lobes:
         for k, layer in enumerate(layers):
             here = picked == k
             columns.write(layer.at(here), which[here])
-    return columns.lobes()
+    columns.params.emission[:] *= points.through
+    return columns.made()
 
 
-def closure_layers(scene: Scene, points: ShadingPoints) -> list[tuple[np.ndarray, Lobes]]:
-    """The closures of points in layers: (int64 (m,), ascending, which points; their lobes) of each.
+def closure_layers(
+    scene: Scene, points: ShadingPoints
+) -> list[tuple[np.ndarray, ShadingPoints, Lobes]]:
+    """The closures of points in layers: (int64 (m,), ascending, which points; these, on the side
+    that they shine from; their lobes) of each.
 
     The first layer has a closure of every point, and what glows; the next ones those of the points
     that have more.
@@ -116,8 +132,8 @@ def closure_layers(scene: Scene, points: ShadingPoints) -> list[tuple[np.ndarray
         columns = _Columns(scene, points.at(source) if k else points)
         for layer in layers:
             columns.write(layer, np.searchsorted(source, layer.which))
-        columns.params.emission[:] = 0.0 if k else glow
-        out.append((source, columns.lobes()))
+        columns.params.emission[:] = 0.0 if k else glow * points.through
+        out.append((source, *columns.made()))
     return out
 
 

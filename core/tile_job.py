@@ -123,7 +123,10 @@ def whole_cells(rect: Rect, camera: Camera) -> Rect:
 
 
 class SeenPoints(NamedTuple):
-    """Shading points of a set of rays and what they are made of; rows: int32 (n,), materials."""
+    """Shading points of a set of rays and what they are made of; rows: int32 (n,), materials.
+
+    Points of a translucent closure are those of the side that the light comes from.
+    """
 
     points: ShadingPoints
     lobes: Lobes
@@ -138,14 +141,14 @@ class SeenPoints(NamedTuple):
         )
 
 
-def trace_points(job: Job, rays: CameraRays, dither=None) -> ShadingPoints:
+def trace_points(job: Job, rays: CameraRays, dither=None, tints=None) -> ShadingPoints:
     """The points that camera rays see; ``pixel`` is the row of the ray.
 
-    dither: of cutouts.points_through
+    dither, tints: of cutouts.points_through
     """
     origins, directions, reach = rays
     looks = _that_look(origins, directions)
-    points = points_through(job.scene, job.accel, *looks, dither)
+    points = points_through(job.scene, job.accel, *looks, dither, tints)
     away = points.position - origins[points.pixel]
     near_enough = -np.einsum("ij,ij->i", away, points.wo) <= reach[points.pixel]
     return points if near_enough.all() else points.at(near_enough)
@@ -163,7 +166,7 @@ def with_lobes(scene: Scene, points: ShadingPoints) -> SeenPoints:
     """Set up the materials of points; of a mixture the closure of the greatest weight."""
     rows = scene.mesh.material_index[points.triangle]
     if scene.shaders is not None:
-        return SeenPoints(points, surface_lobes(scene, points), rows)
+        return SeenPoints(*surface_lobes(scene, points), rows)
     params = params_at(scene.materials, rows)
     lobes = setup_lobes(params, points.normal, points.geometric_normal, points.wo, scene.measured)
     return SeenPoints(points, lobes, rows)
@@ -187,11 +190,11 @@ def with_all_lobes(scene: Scene, points: ShadingPoints) -> list[ClosureLayer]:
     """The materials of points, a layer for each closure that they mix."""
     if scene.shaders is None:
         return [ClosureLayer(with_lobes(scene, points), np.arange(len(points.pixel)))]
-    rows, layers = scene.mesh.material_index[points.triangle], []
-    for of, lobes in closure_layers(scene, points):
-        own = points.at(of) if layers else points
-        layers.append(ClosureLayer(SeenPoints(own, lobes, rows[of]), of))
-    return layers
+    rows = scene.mesh.material_index[points.triangle]
+    return [
+        ClosureLayer(SeenPoints(own, lobes, rows[of]), of)
+        for of, own, lobes in closure_layers(scene, points)
+    ]
 
 
 def cell_bounds(points: ShadingPoints, ends: np.ndarray) -> np.ndarray:

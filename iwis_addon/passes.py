@@ -79,6 +79,8 @@ TABLE = (
          "GlossCol"),
     _row("emission", "Emission", "RGB", "COLOR", "use_pass_emit", "LIGHT", "Emit"),
     _row("environment", "Environment", "RGB", "COLOR", "use_pass_environment", "LIGHT", "Env"),
+    _row("ambient_occlusion", "Ambient Occlusion", "RGB", "COLOR", "use_pass_ambient_occlusion",
+         "LIGHT", "AO"),
     _row("samples", "IWIS Samples", "X", "VALUE", "use_pass_samples", "IWIS"),
     _row("error", "IWIS Error", "X", "VALUE", "use_pass_error", "IWIS"),
     _row("unoccluded", "IWIS Unoccluded", "RGB", "COLOR", "use_pass_unoccluded", "IWIS"),

@@ -1,4 +1,4 @@
-"""What a layer on top leaves over for those under it."""
+"""What a layer on top leaves over for those under it, and a pane of glass for what is behind."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from .values import as_number, as_vector, column, dot
 _LEAST_IOR = np.float32(1.0)
 
 
-def _albedo(context, ior, roughness, normal) -> np.ndarray:
-    """float32 (n,): of all light, what a clear coat reflects to the viewer."""
+def _albedo(context, ior, roughness, normal, wo=None) -> np.ndarray:
+    """float32 (n,): of all light, what a clear coat reflects to the viewer, or to wo."""
     from ..lobe_setup import setup_lobes  # kernels: the exporters load without numba
 
     n = len(context)
@@ -28,7 +28,8 @@ def _albedo(context, ior, roughness, normal) -> np.ndarray:
         emission=black,
         diffuse_roughness=np.zeros(n, np.float32),
     )
-    lobes = setup_lobes(coat, normal, context.geometric_normal, context.wo)
+    wo = context.wo if wo is None else wo
+    lobes = setup_lobes(coat, normal, context.geometric_normal, wo)
     return lobes.glossy_color.max(axis=1)
 
 
@@ -39,7 +40,7 @@ def under_coat(context, settings, inputs):
     the way through the coat is longer.
     """
     n = len(context)
-    share = np.clip(as_number(inputs["Coat"], n), 0.0, 1.0)
+    share = np.maximum(as_number(inputs["Coat"], n), 0.0)
     ior, roughness = as_number(inputs["IOR"], n), as_number(inputs["Roughness"], n)
     normal = as_vector(inputs.get("Normal", context.normal), n)
     left = np.clip(1.0 - share * _albedo(context, ior, roughness, normal), 0.0, 1.0)
@@ -51,4 +52,25 @@ def under_coat(context, settings, inputs):
     return {"": as_vector(inputs["Weight"], n) * column(left) * tint}
 
 
-FUNCTIONS = {"under_coat": under_coat}
+def through_glass(context, settings, inputs):
+    """The two parts of a weight: what a surface of glass reflects, and what goes straight through.
+
+    "reflected": the factor of a clear layer's closure; "": the rest of Weight, times Tint. The
+    camera sees more of the reflection at grazing angles. A shadow ray is told the share of a ray
+    along the normal: so the answer is a matter of the place alone (opacity.can_bake). From inside
+    there is no reflection: what would be seen there is the inside of the same body.
+    """
+    n = len(context)
+    weight, tint = (as_vector(inputs[name], n) for name in ("Weight", "Tint"))
+    ior, roughness = as_number(inputs["IOR"], n), as_number(inputs["Roughness"], n)
+    normal = as_vector(inputs.get("Normal", context.normal), n)
+    wo = context.geometric_normal if context.shadow else None
+    left = np.clip(1.0 - _albedo(context, ior, roughness, normal, wo), 0.0, 1.0)
+    inside = np.float32(0.0)
+    if not context.shadow:
+        inside = np.float32(context.backfacing)
+        left = np.maximum(left, inside)
+    return {"": weight * tint * column(left), "reflected": weight * column(1.0 - inside)}
+
+
+FUNCTIONS = {"under_coat": under_coat, "through_glass": through_glass}

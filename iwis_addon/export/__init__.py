@@ -40,6 +40,8 @@ __all__ = [
     "film_exposure",
 ]
 
+# Cycles' own, of a scene without a world.
+_OCCLUSION_DISTANCE = 10.0
 _TURNED = (
     "its emission depends on where it is seen from: as such it is seen, but it lights other "
     "surfaces in all directions as it does straight ahead"
@@ -101,6 +103,7 @@ def export_scene(
         transparent_film=scene.render.film_transparent,
         measured=measured or NO_MEASURED,
         exposure=film_exposure(scene),
+        occlusion_distance=0.0 if live is not None else _occlusion_distance(depsgraph),
     )
     _warn_of_linking(depsgraph, geometry, unlit, warnings)
     return dataclasses.replace(unlit, lamps=_lamps(geometry, unlit, warnings))
@@ -133,6 +136,14 @@ def _warn_of_linking(depsgraph, geometry: MeshExport, scene: Scene, warnings: li
             continue
         if any(slot.material and slot.material.name in shining for slot in obj.material_slots):
             warnings.append(f'object "{obj.name}": {LINKING}')
+
+
+def _occlusion_distance(depsgraph) -> float:
+    """Metres, of the world; 0 where the view layer has no Ambient Occlusion pass."""
+    if not depsgraph.view_layer_eval.use_pass_ambient_occlusion:
+        return 0.0
+    world = world_of(depsgraph)
+    return _OCCLUSION_DISTANCE if world is None else float(world.light_settings.distance)
 
 
 def film_exposure(scene) -> float:

@@ -15,11 +15,20 @@ import bpy
 import numpy as np
 
 from ...core.program import Closure, Program
-from ...core.scene import BLACK, DIFFUSE, GGX, MULTI_GGX, PRINCIPLED, MaterialParams
+from ...core.scene import (
+    BLACK,
+    DIFFUSE,
+    GGX,
+    MULTI_GGX,
+    PRINCIPLED,
+    TRANSLUCENT,
+    MaterialParams,
+)
 from .node_values import NodeReader, follow
 from .program_builder import ProgramBuilder
 from .program_images import ImageStore
-from .shader_reader import ShaderReader, SurfaceParts, is_constant, is_plain_diffuse
+from .shader_reader import ShaderReader
+from .surface_parts import SurfaceParts, is_constant, is_plain_diffuse
 
 _WHITE, _NO_LIGHT = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
 
@@ -164,7 +173,7 @@ def _is_row(closures, emission) -> bool:
         return False
     if not closures:
         return True
-    if len(closures) > 1 or closures[0].normal is not None:
+    if len(closures) > 1 or closures[0].normal is not None or closures[0].model == TRANSLUCENT:
         return False
     closure = closures[0]
     whole = is_constant(closure.weight) and np.all(np.minimum(closure.weight, 1.0) == 1.0)
@@ -185,7 +194,8 @@ def _row_of(closures, emission, builder) -> _Surface:
         params = {name: constant(value) for name, value in heaviest.params.items()}
         values = {name: value.tolist() for name, value in params.items()}
         values = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
-        surface = _Surface(model=heaviest.model, distribution=heaviest.distribution, **values)
+        model = DIFFUSE if heaviest.model == TRANSLUCENT else heaviest.model
+        surface = _Surface(model=model, distribution=heaviest.distribution, **values)
     return dataclasses.replace(surface, emission=tuple(map(float, glow)))
 
 

@@ -77,10 +77,11 @@ class ProgramBuilder:
         settings = settings_and_inputs.pop("settings", {})
         return self._add(kind, settings_and_inputs, settings, output)
 
-    def run_at_points(self, kind: str, **inputs) -> Value:
-        """The same, of one that depends on the point even where its inputs do not."""
+    def run_at_points(self, kind: str, *outputs: str, **inputs) -> Value | list[Value]:
+        """The same, of one that depends on the point even where its inputs do not: its outputs."""
         self._ops.append(Op(kind, inputs, {}))
-        return Ref(len(self._ops) - 1, "")
+        found = [Ref(len(self._ops) - 1, name) for name in outputs or ("",)]
+        return found if outputs else found[0]
 
     def scaled(self, color: Value, factor: Value) -> Value:
         """Colour times number."""

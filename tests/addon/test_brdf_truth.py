@@ -4,7 +4,6 @@ The sphere is seen by an orthographic camera along +y, in a white world or under
 nadir to zenith. Cycles' own noise at these counts is some 0.02 % of the mean.
 """
 
-import functools
 import math
 
 import bpy
@@ -14,8 +13,8 @@ import pytest
 from iwis.core.lobe_setup import setup_lobes
 from iwis.core.scene import MaterialParams
 from iwis.iwis_addon.export.material import export_materials
-from support import cycles_render
 from support.brdf_points import reflected, sphere_quadrature
+from support.cycles_render import render_cycles
 
 pytestmark = pytest.mark.slow
 
@@ -104,13 +103,11 @@ def _normals():
     return np.stack([x[mask], y, z[mask]], -1).astype(np.float32), mask
 
 
-def _compare(scene, tmp_path, monkeypatch, material, gradient=False):
+def _compare(scene, tmp_path, material, gradient=False):
     """Ours and Cycles' radiance (n, 3), and our lobes beside Cycles' color passes."""
     _build(scene, material, gradient)
-    use = functools.partial(cycles_render.use_cycles, samples=1024)
-    monkeypatch.setattr(cycles_render, "use_cycles", use)
     passes = ("diffuse_color", "glossy_color")
-    layers = cycles_render.render_cycles(scene, tmp_path, passes)
+    layers = render_cycles(scene, tmp_path, passes, samples=1024)
     warnings = []
     params, _ = export_materials([material], warnings)
     assert not warnings
@@ -145,32 +142,32 @@ def _name(values):
 
 
 @pytest.mark.parametrize("values", PRINCIPLED, ids=_name)
-def test_principled_agrees_with_cycles(scene, tmp_path, monkeypatch, values):
+def test_principled_agrees_with_cycles(scene, tmp_path, values):
     """Mean within 0.1 % (0.2 is asked for), each pixel but for noise, both color passes."""
-    _agree(*_compare(scene, tmp_path, monkeypatch, _material("ShaderNodeBsdfPrincipled", values)))
+    _agree(*_compare(scene, tmp_path, _material("ShaderNodeBsdfPrincipled", values)))
 
 
 @pytest.mark.parametrize("values", GLOSSY, ids=_name)
-def test_glossy_agrees_with_cycles(scene, tmp_path, monkeypatch, values):
-    _agree(*_compare(scene, tmp_path, monkeypatch, _material("ShaderNodeBsdfGlossy", values)))
+def test_glossy_agrees_with_cycles(scene, tmp_path, values):
+    _agree(*_compare(scene, tmp_path, _material("ShaderNodeBsdfGlossy", values)))
 
 
 @pytest.mark.parametrize(
     ("kind", "values"),
     [("ShaderNodeBsdfDiffuse", {}), ("ShaderNodeBsdfPrincipled", {"Metallic": 0.5})],
 )
-def test_gradient_world_agrees_with_cycles(scene, tmp_path, monkeypatch, kind, values):
+def test_gradient_world_agrees_with_cycles(scene, tmp_path, kind, values):
     """Where the light comes from matters: not only the whole of what is reflected is right."""
-    _agree(*_compare(scene, tmp_path, monkeypatch, _material(kind, values), gradient=True))
+    _agree(*_compare(scene, tmp_path, _material(kind, values), gradient=True))
 
 
-def test_edge_of_a_metal_agrees_with_cycles(scene, tmp_path, monkeypatch):
+def test_edge_of_a_metal_agrees_with_cycles(scene, tmp_path):
     """The Metallic BSDF, F82 with a tint."""
     values = {"Edge Tint": (0.5, 0.2, 1.0, 1.0), "Roughness": 0.3}
-    _agree(*_compare(scene, tmp_path, monkeypatch, _material("ShaderNodeBsdfMetallic", values)))
+    _agree(*_compare(scene, tmp_path, _material("ShaderNodeBsdfMetallic", values)))
 
 
 @pytest.mark.parametrize("gradient", [False, True], ids=["white", "gradient"])
-def test_slot_left_empty_agrees_with_cycles(scene, tmp_path, monkeypatch, gradient):
+def test_slot_left_empty_agrees_with_cycles(scene, tmp_path, gradient):
     """Without a material: a Principled BSDF from Blender 5 on, a diffuse grey before."""
-    _agree(*_compare(scene, tmp_path, monkeypatch, None, gradient))
+    _agree(*_compare(scene, tmp_path, None, gradient))

@@ -236,37 +236,6 @@ def test_material_without_nodes(scene):
         assert rows[0]["model"] == PRINCIPLED
 
 
-def test_alpha_and_transparent_shaders_let_light_through(build):
-    """Principled's alpha and a share of Transparent add up; what is left reflects and glows."""
-    paint = build.node(
-        "ShaderNodeBsdfPrincipled",
-        Alpha=0.25,
-        Emission_Strength=1.0,
-        Emission_Color=(0.0, 1.0, 0.0, 1.0),
-    )
-    clear = build.node("ShaderNodeBsdfTransparent")
-    mix = build.node("ShaderNodeMixShader", links=[(1, paint.outputs[0]), (2, clear.outputs[0])])
-    mix.inputs[0].default_value = 0.5
-    _, warnings = only(build.surface(mix))
-    assert warnings == []
-    program = program_of(build)
-    np.testing.assert_allclose(program.transparent, [0.5 * 0.75 + 0.5] * 3)
-    np.testing.assert_allclose(program.closures[0].weight, [0.125] * 3)
-    np.testing.assert_allclose(program.emission, [0.0, 0.125, 0.0])
-
-
-def test_opaque_alpha_needs_no_program(build):
-    node = build.node("ShaderNodeBsdfPrincipled", Alpha=1.0)
-    only(build.surface(node))
-    assert program_of(build) is None
-
-
-def test_colored_transparency_is_told(build):
-    clear = build.node("ShaderNodeBsdfTransparent", "T", Color=(1.0, 0.5, 0.2, 1.0))
-    _, warnings = only(build.surface(clear))
-    assert len(warnings) == 1 and 'node "T"' in warnings[0] and "luminance" in warnings[0]
-
-
 def test_coat_lies_over_the_rest(build):
     """Its own closure, first; what is under it gets the weight that the coat leaves."""
     node = build.node("ShaderNodeBsdfPrincipled", Coat_Weight=0.5, Coat_Roughness=0.2, Coat_IOR=1.6)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from iwis.core.scene import BLACK, DIFFUSE, GLOSSY, PRINCIPLED
+from iwis.core.scene import BLACK, DIFFUSE, PRINCIPLED
 from iwis.iwis_addon.export.material import export_materials
 from support.material_builds import Build, only
 
@@ -26,9 +26,6 @@ def test_warnings_name_objects(build, users, where):
 
 
 OTHERS = {
-    "ShaderNodeBsdfTranslucent": DIFFUSE,
-    "ShaderNodeBsdfGlass": GLOSSY,
-    "ShaderNodeBsdfRefraction": GLOSSY,
     "ShaderNodeSubsurfaceScattering": DIFFUSE,
     "ShaderNodeBsdfSheen": DIFFUSE,
     "ShaderNodeBsdfToon": DIFFUSE,
@@ -52,7 +49,6 @@ def test_unsupported_shader_is_never_black_without_a_word(build, kind):
 IGNORED = {
     "Subsurface Weight": 0.5,
     "Anisotropic": 0.5,
-    "Transmission Weight": 1.0,
     "Sheen Weight": 0.5,
     "Thin Film Thickness": 100.0,
 }

@@ -11,7 +11,7 @@ from iwis.core.embree_filter import Opacity
 from iwis.core.opacity import bake_opacity
 from iwis.core.program import Closure, Op, Program, Ref
 from iwis.core.render_cache import RenderCache
-from iwis.core.scene import CAMERA_RAYS, DIFFUSE, GGX, SHADOW_RAYS
+from iwis.core.scene import BLACK, CAMERA_RAYS, DIFFUSE, GGX, SHADOW_CATCHER, SHADOW_RAYS
 from support.programs import with_programs
 from support.scenes import (
     camera_at,
@@ -101,6 +101,61 @@ def test_alpha_is_the_share_of_the_rays_that_end():
     assert set(np.unique(drawn)) == {0.0, 1.0} and abs(drawn.mean() - 0.75) < 0.03
 
 
+def test_layers_are_drawn_apart():
+    """Three cards that pass .3 each, one behind the other: opacity 1 - .3^3, and that of each."""
+    camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 16, 16, 0.4)
+    parts = [floor(50.0, -0.1 * k) for k in range(3)]
+    scene = make_scene(parts, [diffuse()] * 3, constant_world(), camera)
+    scene = with_programs(scene, *[_card(0.3)] * 3)
+    scene = dataclasses.replace(scene, transparent_film=True)
+    settings = {"max_samples": 512, "stop_rule": "FIXED", "pixel_filter": "BOX"}
+    alpha = make_picture(scene, **settings)[0]["combined"][..., 3]
+    np.testing.assert_allclose(alpha, 1.0 - 0.3**3, atol=1.5 / 64)  # 64 passes, stratified
+    assert abs(alpha.mean() - (1.0 - 0.3**3)) < 0.003
+
+
+_TINT = np.float32([0.9, 0.5, 0.1])
+
+
+@pytest.mark.parametrize("behind", ["the world", "a floor", "a shadow catcher"])
+def test_tinted_card_colors_what_is_behind_it(behind):
+    """Of white things behind it the camera sees the tint; its opacity is the rest of the mean.
+
+    The card stops half of the rays, by a stratified draw of 64 passes: 1.5 / 64 of each pixel.
+    """
+    camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 16, 16, 0.4)
+    parts = [floor(), *([floor(500.0, -0.5)] if behind != "the world" else [])]
+    materials = [diffuse(), diffuse((1.0, 1.0, 1.0))][: len(parts)]
+    scene = make_scene(parts, materials, constant_world(), camera)
+    tint = Program(ops=(), closures=(Closure(BLACK, GGX, _ONE, {}),), transparent=_TINT)
+    scene = with_programs(scene, *[tint, None][: len(parts)])
+    plain = CAMERA_RAYS | SHADOW_RAYS
+    flags = np.uint8([CAMERA_RAYS, plain][: len(parts)])
+    if behind == "a shadow catcher":
+        flags[1] |= SHADOW_CATCHER
+    scene = dataclasses.replace(scene, object_flags=flags)
+    settings = {"max_samples": 512, "stop_rule": "FIXED", "pixel_filter": "BOX"}
+    shown = make_picture(scene, **settings)[0]["combined"]
+    np.testing.assert_allclose(shown[..., :3], np.broadcast_to(_TINT, (16, 16, 3)), rtol=0.05)
+    film = dataclasses.replace(scene, transparent_film=True)
+    alpha = make_picture(film, **settings)[0]["combined"][..., 3]
+    expected = 1.0 if behind == "a floor" else 1.0 - _TINT.mean()
+    np.testing.assert_allclose(alpha, expected, atol=1.5 / 64)
+
+
+@pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
+def test_tint_of_a_pixel_at_its_centre(pixel_filter):
+    """Drawn at pixel centres, as any share: black or the tint over its mean."""
+    camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 16, 16, 0.4)
+    scene = make_scene([floor()], [diffuse()], constant_world(), camera)
+    tint = Program(ops=(), closures=(Closure(BLACK, GGX, _ONE, {}),), transparent=_TINT)
+    shown = make_picture(with_programs(scene, tint), pixel_filter=pixel_filter, max_samples=8)
+    shown = shown[0]["combined"][..., :3].reshape(-1, 3)
+    ratio = shown / (_TINT / _TINT.mean())
+    np.testing.assert_allclose(ratio, ratio[:, :1] * np.ones(3), rtol=1e-5)
+    assert abs(shown.mean() / _TINT.mean() - 1.0) < 0.1
+
+
 def test_half_a_card_is_cut_away(way):
     """The camera and the shadow see the same half."""
     scene = _under_a_roof(_SIDE)
@@ -128,8 +183,8 @@ def test_grid_follows_its_program():
     assert sorted(opacity.row) == [0, 1]
     side = int(opacity.side[0])
     grid = opacity.values[opacity.start[0] :][: side + 1] / 255.0  # the first edge: along x, z = 0
-    luminance = 0.2126 * np.arange(side + 1) / side
-    np.testing.assert_allclose(grid, luminance, atol=0.5 / 255 + 1e-6)
+    mean = np.arange(side + 1) / side / 3.0
+    np.testing.assert_allclose(grid, mean, atol=0.5 / 255 + 1e-6)
 
 
 def test_filter_passes_what_the_grid_says():

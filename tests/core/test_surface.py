@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from iwis.core.nodes.context import barycentric_of
-from iwis.core.nodes.layers import under_coat
+from iwis.core.nodes.layers import through_glass, under_coat
 from iwis.core.program import Closure, Op, Program, Ref
-from iwis.core.scene import DIFFUSE, GGX, GLOSSY
+from iwis.core.scene import DIFFUSE, GGX, GLOSSY, TRANSLUCENT, EnvironmentMap
 from iwis.core.surface import closure_layers, surface_lobes
 from support.programs import with_programs
 from support.samplers import pixel_points
@@ -53,7 +53,7 @@ def test_program_of_constants_is_its_row():
     closure = Closure(2, GGX, _ONE, params)
     closure = closure._replace(model=material["model"])
     scene = _one_program(Program(ops=(), closures=(closure,)), material)
-    for ours, theirs in zip(surface_lobes(scene, seen.points), seen.lobes, strict=True):
+    for ours, theirs in zip(surface_lobes(scene, seen.points)[1], seen.lobes, strict=True):
         np.testing.assert_array_equal(ours, theirs)
 
 
@@ -63,7 +63,7 @@ def test_color_varies_over_the_surface():
     scene = _one_program(Program(ops=(_POSITION,), closures=(closure,)), diffuse())
     points = pixel_points(scene).points
     expected = np.maximum(points.position, 0.0)
-    np.testing.assert_allclose(surface_lobes(scene, points).diffuse, expected, atol=1e-6)
+    np.testing.assert_allclose(surface_lobes(scene, points)[1].diffuse, expected, atol=1e-6)
 
 
 def test_heaviest_closure_of_each_point_is_shown():
@@ -75,7 +75,7 @@ def test_heaviest_closure_of_each_point_is_shown():
     scene = _one_program(Program(ops=(_POSITION,), closures=(rough, matte)), glossy(0.3))
     points = pixel_points(scene).points
     mirrors = np.maximum(points.position, 0.0).mean(1) >= 0.3
-    lobes = surface_lobes(scene, points)
+    lobes = surface_lobes(scene, points)[1]
     assert 0 < mirrors.sum() < len(mirrors)
     np.testing.assert_array_equal(lobes.diffuse.any(axis=1), ~mirrors)
 
@@ -117,12 +117,75 @@ def test_layers_hold_the_points_that_have_them():
     program = Program(ops=(_POSITION,), closures=(paint, some), emission=glow)
     scene = _one_program(program, diffuse())
     points = pixel_points(scene).points
-    (first, paints), (second, mirrors) = closure_layers(scene, points)
+    (first, _, paints), (second, _, mirrors) = closure_layers(scene, points)
     np.testing.assert_array_equal(first, np.arange(len(points.pixel)))
     np.testing.assert_array_equal(second, np.flatnonzero((points.position > 0.0).any(axis=1)))
     assert 0 < len(second) < len(first)
     np.testing.assert_array_equal(paints.emission, np.tile(glow, (len(first), 1)))
     assert not mirrors.emission.any()
+
+
+_LEAF = Closure(TRANSLUCENT, GGX, np.float32([0.5] * 3), {"base_color": np.float32([0.8] * 3)})
+
+
+def _half_sky(up=1.0, down=0.25):
+    """A world of one radiance above and another below."""
+    rows = np.repeat(np.float32([down, up]), 64)[:, None, None]
+    return EnvironmentMap(radiance=np.ascontiguousarray(np.broadcast_to(rows, (128, 256, 3))))
+
+
+@pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
+@pytest.mark.parametrize("others", [(), (Closure(DIFFUSE, GGX, np.float32([0.5] * 3), {}),)])
+def test_translucent_surface_shows_the_light_behind_it(pixel_filter, others):
+    """A leaf under a bright sky over dark ground: its weight and colour times the ground's light,
+    and nothing over a lid; the normal pass has the side that is seen."""
+    program = Program(ops=(), closures=(_LEAF, *others))
+    settings = {"max_samples": 256, "stop_rule": "FIXED", "pixel_filter": pixel_filter}
+    parts, materials = [floor(), floor(50.0, -0.1)], [diffuse(), diffuse()]
+
+    def picture(n):
+        scene = make_scene(parts[:n], materials[:n], _half_sky(), camera_above(8, 6, half=0.5))
+        return make_picture(with_programs(scene, *[program, None][:n]), **settings)[0]
+
+    above = len(others) * 0.5 * 0.8 * 1.0
+    # A pixel has 32 to 256 samples of a sky with an edge at the horizon: 2 % in the mean of 48.
+    assert abs(picture(1)["combined"][..., :3].mean() - above - 0.5 * 0.8 * 0.25) < 0.01
+    over_a_lid = picture(2)
+    assert abs(over_a_lid["combined"][..., :3].mean() - above) < 0.01 * max(above, 0.1)
+    np.testing.assert_allclose(over_a_lid["normal"][..., 2], 1.0, atol=1e-5)
+
+
+def test_glass_shares_its_weight_between_reflection_and_what_is_behind():
+    """Along the normal F0 is reflected; from inside all goes through; a shadow ray is not asked
+    where it comes from."""
+    up = np.float32([[0.0, 0.0, 1.0]])
+
+    class Seen:
+        normal = geometric_normal = up
+
+        def __init__(self, wo, backfacing, shadow=False):
+            self.wo, self.backfacing, self.shadow = np.float32([wo]), backfacing, shadow
+
+        def __len__(self):
+            return 1
+
+    inputs = {"Weight": np.float32([0.8] * 3), "Tint": np.float32([0.5, 1.0, 1.0])}
+    inputs |= {"IOR": np.float32(1.5), "Roughness": np.float32(0.05)}
+    straight, grazing = (0.0, 0.0, 1.0), (0.995, 0.0, 0.0999)
+
+    def parts(*context):
+        found = through_glass(Seen(*context), {}, inputs)
+        return found[""][0], found["reflected"][0]
+
+    through, reflected = parts(straight, 0.0)
+    np.testing.assert_allclose(through, np.float32([0.4, 0.8, 0.8]) * 0.96, rtol=2e-3)
+    np.testing.assert_allclose(reflected, 0.8)
+    assert parts(grazing, 0.0)[0][1] < 0.5
+    through, reflected = parts(grazing, 1.0)
+    np.testing.assert_allclose(through, [0.4, 0.8, 0.8], rtol=1e-6)
+    assert not reflected.any()
+    shadow = [parts(wo, 0.0, True)[0] for wo in (straight, grazing)]
+    np.testing.assert_array_equal(*shadow)
 
 
 def test_coat_takes_what_it_reflects():

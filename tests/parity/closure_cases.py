@@ -103,6 +103,51 @@ lit("Transparent by the angle", _by_angle)
 lit("Transparent, a net that glows", _glowing_net)
 
 
+def _tinted(tree):
+    return tree.made("ShaderNodeBsdfTransparent", 0, {"Color": (0.9, 0.5, 0.2)})
+
+
+def _translucent(tree, color=RED, **inputs):
+    return tree.made("ShaderNodeBsdfTranslucent", 0, {"Color": color, **inputs})
+
+
+def _bent(tree):
+    bump = {"Height": noise_of(tree), "Strength": 0.6, "Distance": 0.3}
+    return tree.made("ShaderNodeBump", 0, bump)
+
+
+def _tinted_glow(tree):
+    light = tree.made("ShaderNodeEmission", 0, {"Color": (0.2, 0.3, 0.6)})
+    return _mix(tree, 0.7, light, _tinted(tree))
+
+
+lit("Translucent", _translucent)
+lit("Translucent, mixed with diffuse", lambda t: _mix(t, 0.5, _diffuse(t, BLUE), _translucent(t)))
+lit(
+    "Translucent leaf, glossy and cut out",
+    lambda t: _mix(
+        t, _stripes(t), _mix(t, 0.3, _translucent(t, image_of(t)), _glossy(t, 0.3)), _clear(t)
+    ),
+)
+lit("Translucent, bump", lambda t: _translucent(t, Normal=_bent(t)))
+for _name, _kind in {"Glass": 0.1, "Glass, rough": 0.5}.items():
+    lit(
+        _name,
+        lambda t, roughness=_kind: t.made(
+            "ShaderNodeBsdfGlass", 0, {"Color": (0.9, 0.8, 0.7), "Roughness": roughness}
+        ),
+        warns="straight through",
+        differs="light is not refracted",
+    )
+lit(
+    "Principled, transmission",
+    principled(Transmission_Weight=0.7, Metallic=0.2, Roughness=0.3, Base_Color=BLUE),
+    warns="straight through",
+    differs="light is not refracted",
+)
+lit("Transparent, tinted, that glows", _tinted_glow, blurred=True, warns="grey shadow")
+
+
 def _held_out(make):
     """In a transparent film, alpha compared as well."""
 

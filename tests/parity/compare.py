@@ -7,7 +7,6 @@ known from these, is taken off.
 
 from __future__ import annotations
 
-import functools
 import warnings as python_warnings
 from pathlib import Path
 from typing import NamedTuple
@@ -15,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from iwis.iwis_addon.job import RenderJob
-from support import cycles_render
 from support.cycles_render import render_cycles
 from support.iwis_render import render_iwis
 
@@ -72,14 +70,9 @@ def _render_cycles(scene, seed, folder, case):
     samples = case.samples[1] if case.noisy else 1
     if case.blurred:
         samples = BLURRED_PASSES
-    use = cycles_render.use_cycles
-    try:
-        cycles_render.use_cycles = functools.partial(use, samples=samples)
-        with python_warnings.catch_warnings():
-            python_warnings.simplefilter("ignore")
-            return render_cycles(scene, folder, ())["Combined"]
-    finally:
-        cycles_render.use_cycles = use
+    with python_warnings.catch_warnings():
+        python_warnings.simplefilter("ignore")
+        return render_cycles(scene, folder, (), samples)["Combined"]
 
 
 def _noise_of_mean(renders) -> float:

@@ -6,7 +6,12 @@ _MOVES = "noise where things move: a pass sees four slices of time (record 24); 
 _BUMP = "likely heights asked for a little elsewhere: pixels scatter, means of 4 x 4 agree to .5 %"
 _HORIZON = "one row of pixels, in which the sky triples within two texels of .18 degrees"
 
+_STRAIGHT = "with direct light alone Cycles is black where a refracted ray ends in the body"
+
 WHY = {
+    "Glass": _STRAIGHT,
+    "Glass, rough": _STRAIGHT,
+    "Principled, transmission": _STRAIGHT,
     "Geometry Parametric": "IWIS has no barycentric coordinates for shaders",
     "Geometry Tangent": "at the poles of the sphere's own direction only",
     "Principled, roughness varies": _EDGES,
@@ -16,8 +21,8 @@ WHY = {
     "Transparent to shadow rays": _RAYS,
     "Sky, multiple scattering, horizon seen": _HORIZON,
     "Transparent by a checker": _EDGES,
+    "Translucent leaf, glossy and cut out": _EDGES,
     "Principled, alpha by noise": _EDGES,
-    "Principled, coat varies": "not known; seen at one end of the floor",
     "Camera objects in motion": _MOVES,
     "Camera objects in motion, glowing checks": _MOVES,
     "Camera objects in motion, followed": _MOVES,

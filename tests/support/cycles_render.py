@@ -29,9 +29,9 @@ def use_cycles(scene, samples=1):
     scene.render.threads = 1
 
 
-def render_cycles(scene, tmp_path, passes=("position", "normal", "z", "object_index")):
+def render_cycles(scene, tmp_path, passes=("position", "normal", "z", "object_index"), samples=1):
     """Layers of the view layer: name -> float32 (h, w, channels), row 0 at the bottom."""
-    use_cycles(scene)
+    use_cycles(scene, samples)
     layer = scene.view_layers[0]
     for name in passes:
         setattr(layer, f"use_pass_{name}", True)

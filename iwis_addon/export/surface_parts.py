@@ -1,0 +1,76 @@
+"""What a tree of shaders comes to, and what all shaders do to add to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...core.program import Closure, Ref, Value
+from ...core.scene import BECKMANN, DIFFUSE, GGX, MULTI_GGX
+from .program_builder import ProgramBuilder
+
+DISTRIBUTIONS = {"GGX": GGX, "MULTI_GGX": MULTI_GGX, "BECKMANN": BECKMANN}
+WHITE, BLACK = np.ones(3, np.float32), np.zeros(3, np.float32)
+ONE, ZERO = np.float32(1.0), np.float32(0.0)
+
+
+def is_constant(value, number=None) -> bool:
+    """Whether a value is the same at all points, and equal to a number if one is given."""
+    return not isinstance(value, Ref) and (number is None or bool(np.all(value == number)))
+
+
+def is_plain_diffuse(closure: Closure) -> bool:
+    """Whether a closure can be added to another one by its colour."""
+    smooth = is_constant(closure.params.get("diffuse_roughness", ZERO), 0.0)
+    return closure.model == DIFFUSE and closure.normal is None and smooth
+
+
+@dataclass(slots=True)
+class SurfaceParts:
+    """What a tree of shaders comes to: sums of closures, emission, what passes, what is a hole."""
+
+    closures: list[Closure] = field(default_factory=list)
+    emission: list[Value] = field(default_factory=list)
+    transparent: list[Value] = field(default_factory=list)
+    holdout: list[Value] = field(default_factory=list)
+
+
+class SurfaceBuilder:
+    """Adds closures to its ``parts``."""
+
+    def __init__(self, builder: ProgramBuilder):
+        self.parts = SurfaceParts()
+        self._builder, self._warn = builder, builder.reader.warn
+
+    def _times(self, weight, color):
+        """The product of two colours."""
+        if is_constant(weight, 1.0):
+            return color
+        if is_constant(color, 1.0):
+            return weight
+        return self._builder.run("product", A=weight, B=color)
+
+    def _shares(self, weight, factor):
+        """The two parts of a weight that a Mix Shader gives its first and its second shader."""
+        if is_constant(factor):
+            factor = np.clip(factor, 0.0, 1.0)
+        return [
+            self._builder.run("weigh", Weight=weight, Factor=factor, settings={"second": second})
+            for second in (False, True)
+        ]
+
+    def _close(self, node, groups, weight, model, distribution=GGX, **params):
+        """Add a closure with the node's own normal."""
+        normal = self._builder.vector_if_linked(node, "Normal", groups)
+        self.parts.closures.append(Closure(model, distribution, weight, params, normal))
+
+    def _ignored(self, node, groups, name, neutral, instead):
+        if name in node.inputs:
+            if not is_constant(self._builder.number(node, name, groups), neutral):
+                self._warn(node, f"{name} is not supported: {instead}")
+
+    def _distribution(self, node):
+        if node.distribution not in DISTRIBUTIONS:
+            self._warn(node, f"{node.distribution} is not supported: rendered as GGX")
+        return DISTRIBUTIONS.get(node.distribution, GGX)

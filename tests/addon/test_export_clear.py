@@ -1,0 +1,90 @@
+"""Materials of the open file that let light through."""
+
+import numpy as np
+import pytest
+
+from iwis.core.nodes.typical import mean_value
+from iwis.core.scene import DIFFUSE, TRANSLUCENT
+from support.material_builds import Build, only, program_of
+
+
+@pytest.fixture
+def build(scene):
+    return Build()
+
+
+def test_alpha_and_transparent_shaders_let_light_through(build):
+    """Principled's alpha and a share of Transparent add up; what is left reflects and glows."""
+    paint = build.node(
+        "ShaderNodeBsdfPrincipled",
+        Alpha=0.25,
+        Emission_Strength=1.0,
+        Emission_Color=(0.0, 1.0, 0.0, 1.0),
+    )
+    clear = build.node("ShaderNodeBsdfTransparent")
+    mix = build.node("ShaderNodeMixShader", links=[(1, paint.outputs[0]), (2, clear.outputs[0])])
+    mix.inputs[0].default_value = 0.5
+    _, warnings = only(build.surface(mix))
+    assert warnings == []
+    program = program_of(build)
+    np.testing.assert_allclose(program.transparent, [0.5 * 0.75 + 0.5] * 3)
+    np.testing.assert_allclose(program.closures[0].weight, [0.125] * 3)
+    np.testing.assert_allclose(program.emission, [0.0, 0.125, 0.0])
+
+
+def test_opaque_alpha_needs_no_program(build):
+    node = build.node("ShaderNodeBsdfPrincipled", Alpha=1.0)
+    only(build.surface(node))
+    assert program_of(build) is None
+
+
+def test_colored_transparency_is_told(build):
+    """Its shadow alone is grey."""
+    tint = build.node("ShaderNodeBsdfTransparent", Color=(0.9, 0.5, 0.1, 1.0))
+    warnings = only(build.surface(tint))[1]
+    assert len(warnings) == 1 and "grey shadow" in warnings[0]
+    np.testing.assert_allclose(program_of(build).transparent, [0.9, 0.5, 0.1], rtol=1e-6)
+
+
+def test_translucent(build):
+    """A closure of its own, never a row of the table alone."""
+    leaf = build.node("ShaderNodeBsdfTranslucent", Color=(0.1, 0.8, 0.2, 1.0))
+    row, warnings = only(build.surface(leaf))
+    assert not warnings and row["model"] == DIFFUSE
+    (closure,) = program_of(build).closures
+    assert closure.model == TRANSLUCENT
+    np.testing.assert_allclose(closure.params["base_color"], [0.1, 0.8, 0.2], rtol=1e-6)
+
+
+def _shares(program):
+    """(what passes, weights of the closures) along the normal, of a program."""
+    weights = [mean_value(program, closure.weight) for closure in program.closures]
+    return mean_value(program, program.transparent), weights
+
+
+@pytest.mark.parametrize("kind", ["Glass", "Refraction"])
+def test_glass_lets_light_straight_through(build, kind):
+    """Told; glass reflects as a clear layer does, and its color is that of both parts."""
+    glass = build.node(f"ShaderNodeBsdf{kind}", Color=(0.5, 1.0, 1.0, 1.0), IOR=1.5, Roughness=0.1)
+    warnings = only(build.surface(glass))[1]
+    assert len(warnings) == 1 and "straight through" in warnings[0]
+    through, weights = _shares(program_of(build))
+    left = 0.96 if kind == "Glass" else 1.0
+    np.testing.assert_allclose(through, [0.5 * left, left, left], rtol=2e-3)
+    reflected = [0.5, 1.0, 1.0] if kind == "Glass" else [1.0, 1.0, 1.0]
+    np.testing.assert_allclose(weights[0], reflected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("metallic", [0.0, 0.4, 1.0])
+def test_transmission_is_shared_with_metal_and_diffuse(build, metallic):
+    """.75 of what is no metal is glass: the weights add up to 1; the tint is the root of .25."""
+    values = {"Transmission_Weight": 0.75, "Metallic": metallic, "Base_Color": (0.25,) * 3 + (1.0,)}
+    node = build.node("ShaderNodeBsdfPrincipled", IOR=1.5, Roughness=0.1, **values)
+    warnings = only(build.surface(node))[1]
+    if metallic == 1.0:
+        assert not warnings and program_of(build) is None
+        return
+    assert len(warnings) == 1 and "straight through" in warnings[0]
+    through, weights = _shares(program_of(build))
+    np.testing.assert_allclose(through, 0.75 * (1.0 - metallic) * 0.96 * 0.5, rtol=3e-3)
+    np.testing.assert_allclose(np.sum(weights, axis=0), 1.0, rtol=1e-6)
