@@ -72,8 +72,8 @@ def albedo_tables() -> AlbedoTables:
 @kernel
 def _facet_cosines(roughness, cos_o, u1, u2):
     """A visible normal of the lattice: cosines of wi with the surface, and of wo with the facet."""
-    wo_x = math.sqrt(max(ONE - cos_o * cos_o, ZERO))
-    hx, _, hz = sample_ggx_visible_normal(wo_x, ZERO, cos_o, roughness * roughness, u1, u2)
+    wo_x, alpha = math.sqrt(max(ONE - cos_o * cos_o, ZERO)), roughness * roughness
+    hx, _, hz = sample_ggx_visible_normal(wo_x, ZERO, cos_o, alpha, alpha, u1, u2)
     cos_h = wo_x * hx + cos_o * hz
     return TWO * cos_h * hz - cos_o, cos_h
 

@@ -126,6 +126,8 @@ def _lobes_at(lobes, a, b):
         lobes.smooth[a:b],
         lobes.bump[a:b],
         lobes.rough[a:b],
+        lobes.narrow[a:b],
+        lobes.tangent[a:b],
         lobes.tint[a:b],
         lobes.table[a:b],
         lobes.tables,

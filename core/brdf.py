@@ -9,20 +9,18 @@ normal is not rejected here: whoever traces the shadow ray does that.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from ._jit import kernel
 from .bump import bump_gain
 from .lobes import (
-    CONDUCTOR,
     CONDUCTOR_LOBE,
-    DIELECTRIC,
     DIELECTRIC_LOBE,
     DIFFUSE_LOBE,
     MEASURED_LOBE,
 )
+from .lobes_at import lobes_at
 from .merl import eval_measured_at
 from .microfacet import (
     FOUR,
@@ -45,71 +43,10 @@ from .microfacet import (
     to_world,
 )
 from .rough_diffuse import roughened
-from .scene import BECKMANN
+from .stretched import cross, pdf_stretched, stretched
 
 _TINY = np.float32(1e-12)
 _ALMOST_ONE = np.float32(1.0 - 2.0**-24)
-
-
-class LobesAt(NamedTuple):
-    """One point's row of Lobes as plain numbers, which stay in registers from sample to sample."""
-
-    kind: int
-    gaussian: bool  # the distribution is BECKMANN
-    alpha: np.float32
-    diffuse: tuple
-    dielectric_weight: tuple
-    dielectric_f0: tuple
-    fresnel: tuple
-    conductor_weight: tuple
-    conductor_f0: tuple
-    edge: tuple
-    normal: tuple
-    glossy_normal: tuple
-    wo: tuple
-    cos_o: np.float32
-    seen: np.float32
-    diffuse_share: np.float32
-    smooth: tuple
-    bump: np.float32
-    tint: tuple
-    rough: tuple
-    table: int
-    tables: np.ndarray
-
-
-@kernel(forceinline=True)
-def _row(a, p):
-    return a[p, 0], a[p, 1], a[p, 2]
-
-
-@kernel(forceinline=True)
-def lobes_at(lobes, p):
-    """Row p of lobes: load it once for all samples of a point."""
-    return LobesAt(
-        lobes.kind[p],
-        lobes.distribution[p] == BECKMANN,
-        lobes.alpha[p],
-        _row(lobes.diffuse, p),
-        _row(lobes.weight[p], DIELECTRIC),
-        _row(lobes.f0[p], DIELECTRIC),
-        _row(lobes.fresnel, p),
-        _row(lobes.weight[p], CONDUCTOR),
-        _row(lobes.f0[p], CONDUCTOR),
-        _row(lobes.edge, p),
-        _row(lobes.normal, p),
-        _row(lobes.glossy_normal, p),
-        _row(lobes.wo, p),
-        lobes.cos_o[p],
-        lobes.seen[p],
-        lobes.diffuse_share[p],
-        _row(lobes.smooth, p),
-        lobes.bump[p],
-        _row(lobes.tint, p),
-        (*_row(lobes.rough, p), lobes.rough[p, 3]),
-        lobes.table[p],
-        lobes.tables,
-    )
 
 
 @kernel(forceinline=True)
@@ -140,6 +77,8 @@ def eval_at(at, wi_x, wi_y, wi_z):
         value = eval_measured_at(at, wi_x, wi_y, wi_z)
     else:
         value = eval_lobes_at(at, wi_x, wi_y, wi_z)
+        if at.narrow > ZERO:
+            value = stretched(at, wi_x, wi_y, wi_z, value)
         if at.rough[3] > ZERO:
             value = roughened(at, wi_x, wi_y, wi_z, value)
     if at.bump == ZERO:
@@ -151,7 +90,7 @@ def eval_at(at, wi_x, wi_y, wi_z):
 
 @kernel(forceinline=True)
 def eval_lobes_at(at, wi_x, wi_y, wi_z):
-    """eval_at of a point neither measured, rough nor bumped: fewer branches in inner loops."""
+    """eval_at of a point neither measured, rough, stretched nor bumped: fewer branches."""
     cos_n = max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO)
     scale = cos_n * INV_PI
     dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale
@@ -212,12 +151,20 @@ def pdf_at(at, wi_x, wi_y, wi_z):
     pdf = at.diffuse_share * max(cos_n, ZERO) * INV_PI
     if at.kind == DIFFUSE_LOBE:
         return pdf
-    return pdf + (ONE - at.diffuse_share) * _pdf_gloss(at, wi_x, wi_y, wi_z)
+    return pdf + (ONE - at.diffuse_share) * pdf_narrowest_at(at, wi_x, wi_y, wi_z)
 
 
 @kernel(forceinline=True)
 def pdf_narrowest_at(at, wi_x, wi_y, wi_z):
     """The density of sample_narrowest_at, sr^-1; at.kind must not be 0."""
+    if at.narrow > ZERO:
+        return pdf_stretched(at, wi_x, wi_y, wi_z)
+    return pdf_round_at(at, wi_x, wi_y, wi_z)
+
+
+@kernel(forceinline=True)
+def pdf_round_at(at, wi_x, wi_y, wi_z):
+    """pdf_narrowest_at of a point that is not stretched."""
     if at.kind == DIFFUSE_LOBE:
         return max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO) * INV_PI
     return _pdf_gloss(at, wi_x, wi_y, wi_z)
@@ -262,11 +209,14 @@ def _sample_gloss(at, u1, u2):
     """wo, mirrored by a facet."""
     wo = at.wo
     s, t = basis(at.glossy_normal)
+    across = at.alpha
+    if at.narrow > ZERO:
+        s, t, across = at.tangent, cross(at.glossy_normal, at.tangent), at.narrow
     if at.gaussian:
-        x, y, z = sample_beckmann_normal(at.alpha, u1, u2)
+        x, y, z = sample_beckmann_normal(at.alpha, across, u1, u2)
     else:
         wo_x, wo_y = _dot(wo, s[0], s[1], s[2]), _dot(wo, t[0], t[1], t[2])
-        x, y, z = sample_ggx_visible_normal(wo_x, wo_y, at.cos_o, at.alpha, u1, u2)
+        x, y, z = sample_ggx_visible_normal(wo_x, wo_y, at.cos_o, at.alpha, across, u1, u2)
     hx, hy, hz = to_world(s, t, at.glossy_normal, x, y, z)
     twice = TWO * _dot(wo, hx, hy, hz)
     return twice * hx - wo[0], twice * hy - wo[1], twice * hz - wo[2]

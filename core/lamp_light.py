@@ -17,10 +17,11 @@ import numpy as np
 
 from ._jit import kernel
 from .accel import Accel, start_shadow_ray
-from .brdf import eval_at, lobes_at, pdf_narrowest_at, sample_narrowest_at
+from .brdf import eval_at, pdf_narrowest_at, sample_narrowest_at
 from .lamp_shapes import meet_lamp, sample_lamp
 from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, MESH, ROUND_BEAM, SUN, Lamps
 from .lobes import DIFFUSE_LOBE, Lobes
+from .lobes_at import lobes_at
 from .microfacet import MIN_ALPHA
 from .pixel_filter import LAMPS, point_of_pixel
 from .pyramid import luminance

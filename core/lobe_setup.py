@@ -78,7 +78,7 @@ def setup_lobes(
     """
     n = len(normal)
     shapes = {"weight": (n, 2, 3), "f0": (n, 2, 3), "rough": (n, 4)}
-    shapes |= dict.fromkeys(("alpha", "cos_o", "seen", "diffuse_share", "bump"), (n,))
+    shapes |= dict.fromkeys(("alpha", "narrow", "cos_o", "seen", "diffuse_share", "bump"), (n,))
     out = {name: np.zeros(shapes.get(name, (n, 3)), np.float32) for name in Lobes._fields}
     out |= {name: np.zeros(n, np.int8) for name in ("kind", "distribution")}
     out |= {"table": np.zeros(n, np.int32), "tables": measured.values}

@@ -27,7 +27,8 @@ class Lobes(NamedTuple):
     kind: int8 (n,), which lobes there are: DIFFUSE_LOBE | DIELECTRIC_LOBE | CONDUCTOR_LOBE, and
         MEASURED_LOBE where a table has the value
     distribution: int8 (n,), GGX, MULTI_GGX (the same D and Lambda) or BECKMANN
-    alpha: float32 (n,), width of D
+    alpha: float32 (n,), width of D; narrow: float32 (n,), its width across ``tangent``, float32
+        (n, 3), unit, along which it is alpha; 0 = it is round (stretched.py)
     diffuse: float32 (n, 3), reflectance of the Lambert lobe, layers above deducted; at once Cycles'
         Diffuse Color
     weight, f0: float32 (n, 2, 3), factor of the curve, and its value along the normal:
@@ -65,6 +66,8 @@ class Lobes(NamedTuple):
     smooth: np.ndarray
     bump: np.ndarray
     rough: np.ndarray
+    narrow: np.ndarray
+    tangent: np.ndarray
     tint: np.ndarray
     table: np.ndarray
     tables: np.ndarray

@@ -1,7 +1,7 @@
 """Microfacets: how normals are distributed, seen and sampled, and what one facet reflects.
 
 [Walter07] for the model, [Heitz14] for the height-correlated Smith term, [Dupuy23] for the visible
-normals (a cap of the sphere, isotropic here), [Beckmann63] with Walter's rational fit of its Smith
+normals (a cap of the sphere), [Beckmann63] with Walter's rational fit of its Smith
 term, [Kutz21] for the F82 metal. Cycles' constants, so that pictures agree: the fit is cut to zero
 below 0.39, and F82 has its edge at cos = 1/7.
 
@@ -62,29 +62,29 @@ def beckmann_lambda(alpha2, cos_theta):
 
 
 @kernel(forceinline=True)
-def sample_ggx_visible_normal(wo_x, wo_y, wo_z, alpha, u1, u2):
+def sample_ggx_visible_normal(wo_x, wo_y, wo_z, alpha_x, alpha_y, u1, u2):
     """A facet normal, with the density of those that wo sees: D (wo . h) / (wo_z (1 + Lambda))."""
-    x, y, z = alpha * wo_x, alpha * wo_y, wo_z
+    x, y, z = alpha_x * wo_x, alpha_y * wo_y, wo_z
     scale = ONE / math.sqrt(x * x + y * y + z * z)
     x, y, z = x * scale, y * scale, z * scale
     phi = TWO * PI * u1
     cap_z = (ONE - u2) * (ONE + z) - z
     cap_r = math.sqrt(max(ONE - cap_z * cap_z, ZERO))
-    hx = alpha * (cap_r * math.cos(phi) + x)
-    hy = alpha * (cap_r * math.sin(phi) + y)
+    hx = alpha_x * (cap_r * math.cos(phi) + x)
+    hy = alpha_y * (cap_r * math.sin(phi) + y)
     hz = max(cap_z + z, ZERO)
     scale = ONE / math.sqrt(max(hx * hx + hy * hy + hz * hz, np.float32(1e-30)))
     return hx * scale, hy * scale, hz * scale
 
 
 @kernel(forceinline=True)
-def sample_beckmann_normal(alpha, u1, u2):
+def sample_beckmann_normal(alpha_x, alpha_y, u1, u2):
     """A facet normal with density D cos: all facets, whether seen or not."""
     phi = TWO * PI * u1
-    tan2 = -alpha * alpha * math.log(max(ONE - u2, np.float32(1e-30)))
-    z = ONE / math.sqrt(ONE + tan2)
-    r = z * math.sqrt(tan2)
-    return r * math.cos(phi), r * math.sin(phi), z
+    slope = math.sqrt(-math.log(max(ONE - u2, np.float32(1e-30))))
+    x, y = alpha_x * slope * math.cos(phi), alpha_y * slope * math.sin(phi)
+    z = ONE / math.sqrt(ONE + x * x + y * y)
+    return x * z, y * z, z
 
 
 @kernel(forceinline=True)

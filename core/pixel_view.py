@@ -12,10 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
-from .brdf import eval_at, lobes_at
+from .brdf import eval_at
 from .camera import camera_rays
 from .environment import eval_environment_many
 from .incremental import new_rays, sample_points
+from .lobes_at import lobes_at
 from .render import worker_count
 from .render_cache import RenderCache
 from .scene import Scene

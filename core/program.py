@@ -45,6 +45,7 @@ class Closure(NamedTuple):
     weight: a colour, the factor of all it reflects
     params: column of MaterialParams -> its value; a missing one is that of the material's own row
     normal: a vector; None: the surface's own
+    grain: a vector along the facets' tangent, as long as the root of alpha_x / alpha_y; None: round
     """
 
     model: int
@@ -52,6 +53,7 @@ class Closure(NamedTuple):
     weight: Value
     params: Mapping[str, Value]
     normal: Value | None = None
+    grain: Value | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

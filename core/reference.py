@@ -11,12 +11,13 @@ import math
 import numpy as np
 
 from ._jit import kernel
-from .brdf import lobes_at, pdf_at, sample_at
+from .brdf import pdf_at, sample_at
 from .environment import eval_environment
 from .halton import radical_inverse_2
 from .incremental import RayBatch
 from .light_rays import Light, write_ray
 from .lobes import Lobes
+from .lobes_at import lobes_at
 from .paper import PaperSampler
 from .pyramid import level_offset, morton_to_row_column, pdf_light
 from .sequence import PixelSequence, sample_number, sequence_point, to_bits

@@ -19,6 +19,7 @@ from .poses import points_at_rest, posed_normals
 from .program import Program
 from .scene import DIFFUSE, TRANSLUCENT, MaterialParams, Scene
 from .shading import ShadingPoints, params_at
+from .stretched import stretch_lobes
 
 _VECTORS = ("base_color", "specular_tint")  # columns of MaterialParams
 
@@ -27,7 +28,8 @@ class _Layer(NamedTuple):
     """A closure at m points.
 
     which: int (m,), rows of the points; weight: float32 (m, 3); normal: float32 (m, 3), 0 where it
-    is the surface's own, or None; params: column of MaterialParams -> values at the points
+    is the surface's own, or None; params: column of MaterialParams -> values at the points; grain:
+    float32 (m, 3), as Closure.grain, or None
     """
 
     closure: tuple
@@ -35,11 +37,13 @@ class _Layer(NamedTuple):
     weight: np.ndarray
     normal: np.ndarray | None
     params: dict[str, np.ndarray]
+    grain: np.ndarray | None
 
     def at(self, some) -> _Layer:
         normal = None if self.normal is None else self.normal[some]
         params = {name: values[some] for name, values in self.params.items()}
-        return _Layer(self.closure, self.which[some], self.weight[some], normal, params)
+        grain = None if self.grain is None else self.grain[some]
+        return _Layer(self.closure, self.which[some], self.weight[some], normal, params, grain)
 
 
 class _Columns:
@@ -51,6 +55,7 @@ class _Columns:
         self.normal = points.normal.copy()
         self.weight = points.through.copy()
         self._turned = np.zeros(len(points.pixel), np.bool_)  # the normal, by a map
+        self._grain = np.zeros((len(points.pixel), 3), np.float32)
         self._behind = np.zeros(len(points.pixel), np.bool_)  # TRANSLUCENT
 
     def write(self, layer: _Layer, rows: np.ndarray) -> None:
@@ -62,6 +67,8 @@ class _Columns:
         for name, values in layer.params.items():
             getattr(params, name)[rows] = values
         self.weight[rows] = layer.weight * self.points.through[rows]
+        if layer.grain is not None:
+            self._grain[rows] = layer.grain
         if layer.normal is not None:
             kept = layer.normal.any(axis=1)
             self.normal[rows[kept]] = layer.normal[kept]
@@ -80,6 +87,8 @@ class _Columns:
         points, weight = self.points, self.weight
         own = self.params, self.normal, points.geometric_normal, points.wo
         lobes = setup_lobes(*own, self._measured)
+        if self._grain.any():
+            stretch_lobes(lobes, self._grain)
         if self._turned.any():
             bump = np.where(self._turned, turns(points.normal, lobes.normal), np.float32(0.0))
             lobes = lobes._replace(smooth=points.normal, bump=bump)
@@ -169,7 +178,13 @@ def _evaluate(program: Program, context, which, pose) -> tuple[list[_Layer], np.
         normal = None if closure.normal is None else evaluation.vector(closure.normal)
         if normal is not None:
             normal = posed_normals(pose, context.mesh, context.triangle, normal)
-        layers.append(_Layer((closure.model, closure.distribution), which, weight, normal, params))
+        kind, grain = (closure.model, closure.distribution), None
+        if closure.grain is not None:
+            grain = evaluation.vector(closure.grain)
+            length = np.linalg.norm(grain, axis=1)[:, None].astype(np.float32)
+            along = grain / np.maximum(length, np.float32(1e-20))
+            grain = length * posed_normals(pose, context.mesh, context.triangle, along)
+        layers.append(_Layer(kind, which, weight, normal, params, grain))
     glow = 0.0 if program.emission is None else evaluation.vector(program.emission) * opaque
     return layers, glow
 

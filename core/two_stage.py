@@ -16,11 +16,12 @@ import numpy as np
 
 from ._jit import kernel
 from .accel import Accel
-from .brdf import eval_at, lobes_at
+from .brdf import eval_at
 from .environment import eval_environment
 from .incremental import PixelSums, RayBatch, continue_points
 from .light_rays import Light, write_ray
 from .lobes import Lobes
+from .lobes_at import lobes_at
 from .pyramid import level_offset, luminance, morton_to_row_column
 from .reference import sample_light_in
 from .sequence import PixelSequence, sample_number, sequence_point

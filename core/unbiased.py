@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
-from .brdf import lobes_at, sample_narrowest_at
+from .brdf import sample_narrowest_at
 from .embree_rays import NOTHING
 from .guide import Guides, new_guides, note_rays
 from .incremental import RayBatch, new_sums
@@ -32,6 +32,7 @@ from .lanes import (
 )
 from .light_rays import Light
 from .lobes import DIFFUSE_LOBE, Lobes
+from .lobes_at import lobes_at
 from .product import Products, new_products, pdf_product
 from .product_build import BlockScratch, build_product, new_block_scratch
 from .sequence import PixelSequence, scramble

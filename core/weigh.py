@@ -9,16 +9,18 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .brdf import eval_lobes_at, lobes_at, pdf_narrowest_at
+from .brdf import eval_lobes_at, pdf_round_at
 from .bump import bump_gain
 from .environment import eval_map
 from .lanes import BLUE, DIFFUSE, DX, DY, DZ, GLOSSY, GREEN, LANES, OX, OY, OZ, PDF, RED, U, V
 from .light_rays import is_lifted
 from .lobes import DIFFUSE_LOBE, MEASURED_LOBE
+from .lobes_at import lobes_at
 from .merl import eval_measured_at
 from .microfacet import INV_PI
 from .rough_diffuse import roughened
 from .sequence import sample_number
+from .stretched import pdf_stretched, stretched
 from .terminator import lift_share
 
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
@@ -108,7 +110,7 @@ def _weigh_glossy(at, share, numbers, s, end):
     """The same for any point without a measured BRDF."""
     for k in range(s, end):
         wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
-        pdf = share * pdf_narrowest_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
+        pdf = share * pdf_round_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
         _write_light(numbers, k, pdf, eval_lobes_at(at, wx, wy, wz))
 
 
@@ -117,7 +119,7 @@ def _weigh_measured(at, share, numbers, s, end):
     """The same for a measured BRDF."""
     for k in range(s, end):
         wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
-        pdf = share * pdf_narrowest_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
+        pdf = share * pdf_round_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
         _write_light(numbers, k, pdf, eval_measured_at(at, wx, wy, wz))
 
 
@@ -136,9 +138,21 @@ def _weigh_rough(at, share, numbers, s, end):
     """The same for a point whose Lambert lobe is rough, with gloss or without."""
     for k in range(s, end):
         wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
-        pdf = share * pdf_narrowest_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
+        pdf = share * pdf_round_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
         value = eval_lobes_at(at, wx, wy, wz)
         _write_light(numbers, k, pdf, roughened(at, wx, wy, wz, value))
+
+
+@kernel
+def _weigh_stretched(at, share, numbers, s, end):
+    """The same for a point whose gloss is stretched, with a rough Lambert lobe or without."""
+    for k in range(s, end):
+        wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
+        pdf = share * pdf_stretched(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
+        value = stretched(at, wx, wy, wz, eval_lobes_at(at, wx, wy, wz))
+        if at.rough[3] > _ZERO:
+            value = roughened(at, wx, wy, wz, value)
+        _write_light(numbers, k, pdf, value)
 
 
 @kernel
@@ -151,7 +165,9 @@ def weigh_run(task, share, p, lanes, s, end):
     _start_rays(task.points, p, task.offset, lanes.numbers, s, end)
     if task.points.lift_below[p] > _ZERO:
         _lift_rays(task, at, p, lanes, s, end)
-    if at.rough[3] > _ZERO and at.kind > 0:
+    if at.narrow > _ZERO:
+        _weigh_stretched(at, share, lanes.numbers, s, end)
+    elif at.rough[3] > _ZERO and at.kind > 0:
         _weigh_rough(at, share, lanes.numbers, s, end)
     elif at.kind <= DIFFUSE_LOBE:
         _weigh_matte(at, share, lanes.numbers, s, end)

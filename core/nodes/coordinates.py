@@ -175,11 +175,34 @@ def _parametric(context):
 
 
 def _default_tangent(context):
-    """At right angles to the normal, around the object's z."""
-    x, y, _ = parts(context.generated - np.float32(0.5))
-    around = context.vector_to_world(vector(-y, x, 0.0 * x))
-    across = normalized(np.cross(around, context.normal))
+    return _laid_down(context, _around(context, "Z"))
+
+
+def _around(context, axis):
+    """Around an axis of the object, in the middle of its generated coordinates."""
+    x, y, z = parts(context.generated - np.float32(0.5))
+    zero = 0.0 * x
+    return {
+        "X": lambda: vector(zero, -z, y),
+        "Y": lambda: vector(-z, zero, x),
+        "Z": lambda: vector(-y, x, zero),
+    }[axis]()
+
+
+def _laid_down(context, direction):
+    """A direction of object space in world space, at right angles to the normal."""
+    across = normalized(np.cross(context.normal_to_world(direction), context.normal))
     return np.cross(context.normal, across)
+
+
+def tangent(context, settings, inputs):
+    """settings: axis to go around, or table (name of the tangents at the corners)"""
+    if "axis" in settings:
+        return {"Tangent": _laid_down(context, _around(context, settings["axis"]))}
+    table = context.attribute(settings["table"])
+    if table is None:
+        return {"Tangent": np.zeros((len(context), 3), np.float32)}
+    return {"Tangent": _laid_down(context, table[:, :3])}
 
 
 def object_info(context, settings, inputs):
@@ -221,6 +244,7 @@ FUNCTIONS = {
     "ShaderNodeVectorRotate": vector_rotate,
     "ShaderNodeVectorTransform": vector_transform,
     "ShaderNodeNewGeometry": geometry,
+    "ShaderNodeTangent": tangent,
     "ShaderNodeObjectInfo": object_info,
     "ShaderNodeCameraData": camera_data,
     "ShaderNodeLightPath": light_path,

@@ -1,11 +1,11 @@
-"""What a layer on top leaves over for those under it, and a pane of glass for what is behind."""
+"""What a coat leaves over for what is under it, a pane of glass for what is behind; grain."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..scene import GGX, PRINCIPLED, MaterialParams
-from .values import as_number, as_vector, column, dot
+from .values import as_number, as_vector, column, dot, normalized
 
 _LEAST_IOR = np.float32(1.0)
 
@@ -73,4 +73,24 @@ def through_glass(context, settings, inputs):
     return {"": weight * tint * column(left), "reflected": weight * column(1.0 - inside)}
 
 
-FUNCTIONS = {"under_coat": under_coat, "through_glass": through_glass}
+def grain(context, settings, inputs):
+    """Closure.grain: the tangent, turned about the normal, with the length of Cycles' stretch.
+
+    settings: model, ASPECT (Principled, Metallic) or GLOSSY: how Anisotropy widens the facets
+    """
+    n = len(context)
+    amount, turn = as_number(inputs["Anisotropy"], n), as_number(inputs["Rotation"], n)
+    tangent, normal = as_vector(inputs["Tangent"], n), inputs.get("Normal", context.normal)
+    if settings["model"] == "GLOSSY":
+        amount = np.clip(amount, -0.99, 0.99)
+        ratio = np.where(amount < 0.0, 1.0 / (1.0 + amount), 1.0 - amount)
+    else:  # alpha / aspect along the tangent, alpha * aspect across
+        ratio = 1.0 / np.sqrt(1.0 - 0.9 * np.clip(amount, 0.0, 1.0))
+    cosine, sine = np.cos(2.0 * np.pi * turn), np.sin(2.0 * np.pi * turn)
+    axis = normalized(as_vector(normal, n))
+    along = column(dot(axis, tangent) * (1.0 - cosine)) * axis
+    turned = column(cosine) * tangent + column(sine) * np.cross(axis, tangent) + along
+    return {"": np.float32(normalized(turned) * column(ratio))}
+
+
+FUNCTIONS = {"grain": grain, "under_coat": under_coat, "through_glass": through_glass}

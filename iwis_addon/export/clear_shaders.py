@@ -55,8 +55,11 @@ class ClearShaders(SurfaceBuilder):
         self._warn(node, f"{node.bl_label}: {_STRAIGHT}")
         self._passes(node, groups, weight)
 
-    def _transmission(self, node, groups, weight, params):
-        """Add what of Principled is glass; what is left of a weight for the rest."""
+    def _transmission(self, node, groups, weight, params, grain):
+        """Add what of Principled is glass; what is left of a weight for the rest.
+
+        grain: of its metal; glass reflects as if it were round
+        """
         share, metallic = (
             self._builder.number(node, "Transmission Weight", groups),
             params["metallic"],
@@ -70,7 +73,7 @@ class ClearShaders(SurfaceBuilder):
         if not clear_of_metal:
             clear, metal = self._shares(clear, metallic)
             own = params | {"metallic": ONE}
-            self._close(node, groups, metal, PRINCIPLED, distribution, **own)
+            self._close(node, groups, metal, PRINCIPLED, distribution, grain, **own)
         # Of the base color a ray takes the root at each of the two surfaces that it goes through.
         gamma = {"Color": params["base_color"], "Gamma": np.float32(0.5)}
         tint = self._builder.run("ShaderNodeGamma", "Color", **gamma)

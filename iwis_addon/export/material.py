@@ -173,9 +173,10 @@ def _is_row(closures, emission) -> bool:
         return False
     if not closures:
         return True
-    if len(closures) > 1 or closures[0].normal is not None or closures[0].model == TRANSLUCENT:
-        return False
     closure = closures[0]
+    turned = closure.normal is not None or closure.grain is not None
+    if len(closures) > 1 or turned or closure.model == TRANSLUCENT:
+        return False
     whole = is_constant(closure.weight) and np.all(np.minimum(closure.weight, 1.0) == 1.0)
     return bool(whole) and all(map(is_constant, closure.params.values()))
 

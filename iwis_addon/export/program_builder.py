@@ -77,9 +77,16 @@ class ProgramBuilder:
         settings = settings_and_inputs.pop("settings", {})
         return self._add(kind, settings_and_inputs, settings, output)
 
+    def default_tangent(self) -> Value:
+        """The Geometry node's Tangent, which Cycles takes where nothing is linked."""
+        self.requests.add("generated")
+        kind, settings = "ShaderNodeNewGeometry", {"outputs": {"Tangent"}}
+        return Ref(self.add_node(None, (), kind, {}, settings), "Tangent")
+
     def run_at_points(self, kind: str, *outputs: str, **inputs) -> Value | list[Value]:
         """The same, of one that depends on the point even where its inputs do not: its outputs."""
-        self._ops.append(Op(kind, inputs, {}))
+        settings = inputs.pop("settings", {})
+        self._ops.append(Op(kind, inputs, settings))
         found = [Ref(len(self._ops) - 1, name) for name in outputs or ("",)]
         return found if outputs else found[0]
 

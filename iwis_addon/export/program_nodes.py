@@ -118,6 +118,14 @@ def _normal_map(builder, node, groups):
     return builder.add_node(node, groups, "ShaderNodeNormalMap", inputs, settings)
 
 
+def _tangent(builder, node, groups):
+    settings = {"axis": node.axis}
+    if node.direction_type == "UV_MAP":
+        settings = {"table": f"tangent:{node.uv_map}"}
+    builder.requests.add(settings.get("table", "generated"))
+    return builder.add_node(node, groups, "ShaderNodeTangent", {}, settings)
+
+
 def _normal(builder, node, groups):
     direction = np.array(node.outputs[0].default_value[:3], np.float32)
     settings = {"direction": direction / max(float(np.linalg.norm(direction)), 1e-20)}
@@ -180,6 +188,7 @@ HANDLERS = {
     "ShaderNodeAttribute": _attribute,
     "ShaderNodeNormalMap": _normal_map,
     "ShaderNodeNormal": _normal,
+    "ShaderNodeTangent": _tangent,
     "ShaderNodeValToRGB": _color_ramp,
     "ShaderNodeRGBCurve": _curves(4),
     "ShaderNodeVectorCurve": _curves(3),

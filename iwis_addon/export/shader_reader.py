@@ -19,7 +19,6 @@ from .surface_parts import BLACK, DISTRIBUTIONS, ONE, WHITE, ZERO, is_constant
 _PRINCIPLED_IGNORES = {
     "Thin Wall": (0.0, "the surface is solid"),
     "Subsurface Weight": (0.0, "rendered as diffuse"),
-    "Anisotropic": (0.0, "rendered as isotropic"),
     "Sheen Weight": (0.0, "rendered without sheen"),
     "Thin Film Thickness": (0.0, "rendered without thin film"),
 }
@@ -101,9 +100,10 @@ class ShaderReader(ClearShaders):
         if not is_constant(strength, 0.0):
             glow = self._builder.scaled(color(node, "Emission Color", groups), strength)
             self.parts.emission.append(self._times(weight, glow))
-        weight = self._transmission(node, groups, weight, params)
+        grain = self._grain(node, groups, ("Anisotropic", "Anisotropic Rotation"))
+        weight = self._transmission(node, groups, weight, params, grain)
         distribution = DISTRIBUTIONS[node.distribution]
-        self._close(node, groups, weight, PRINCIPLED, distribution, **params)
+        self._close(node, groups, weight, PRINCIPLED, distribution, grain, **params)
 
     def _coat(self, node, groups, weight):
         """Add Principled's coat; what it leaves of a weight for all under it."""
@@ -129,21 +129,17 @@ class ShaderReader(ClearShaders):
         return self._builder.run_at_points("under_coat", **inputs)
 
     def _glossy(self, node, groups, weight):
-        self._ignored(node, groups, "Anisotropy", 0.0, "rendered as isotropic")
-        self._mirror(node, groups, weight)
-
-    def _mirror(self, node, groups, weight):
         params = {
             "base_color": self._builder.color(node, "Color", groups),
             "roughness": self._builder.number(node, "Roughness", groups),
         }
-        self._close(node, groups, weight, GLOSSY, self._distribution(node), **params)
+        grain = self._grain(node, groups, model="GLOSSY")
+        self._close(node, groups, weight, GLOSSY, self._distribution(node), grain, **params)
 
     def _metallic(self, node, groups, weight):
         """A Principled of metallic 1 is the same, but for a conductor given by its two indices."""
         color = self._builder.color
-        for name in ("Anisotropy", "Thin Film Thickness"):
-            self._ignored(node, groups, name, 0.0, "left out")
+        self._ignored(node, groups, "Thin Film Thickness", 0.0, "left out")
         if node.fresnel_type == "F82":
             base, tint = color(node, "Base Color", groups), color(node, "Edge Tint", groups)
         else:
@@ -159,7 +155,8 @@ class ShaderReader(ClearShaders):
             "roughness": self._builder.number(node, "Roughness", groups),
             "specular_tint": tint,
         }
-        self._close(node, groups, weight, PRINCIPLED, self._distribution(node), **params)
+        grain = self._grain(node, groups)
+        self._close(node, groups, weight, PRINCIPLED, self._distribution(node), grain, **params)
 
     def _emission(self, node, groups, weight):
         strength = self._builder.number(node, "Strength", groups)

@@ -60,10 +60,28 @@ class SurfaceBuilder:
             for second in (False, True)
         ]
 
-    def _close(self, node, groups, weight, model, distribution=GGX, **params):
+    def _close(self, node, groups, weight, model, distribution=GGX, grain=None, **params):
         """Add a closure with the node's own normal."""
         normal = self._builder.vector_if_linked(node, "Normal", groups)
-        self.parts.closures.append(Closure(model, distribution, weight, params, normal))
+        self.parts.closures.append(Closure(model, distribution, weight, params, normal, grain))
+
+    def _grain(self, node, groups, names=("Anisotropy", "Rotation"), model="ASPECT"):
+        """Closure.grain of a node with inputs of these names; model: of nodes.layers.grain."""
+        anisotropy = self._builder.number(node, names[0], groups)
+        if is_constant(anisotropy, 0.0) or (
+            model == "ASPECT" and is_constant(anisotropy, None) and anisotropy <= 0.0
+        ):
+            return None
+        tangent = self._builder.vector_if_linked(node, "Tangent", groups)
+        inputs = {
+            "Anisotropy": anisotropy,
+            "Rotation": self._builder.number(node, names[1], groups),
+        }
+        inputs["Tangent"] = self._builder.default_tangent() if tangent is None else tangent
+        normal = self._builder.vector_if_linked(node, "Normal", groups)
+        if normal is not None:
+            inputs["Normal"] = normal
+        return self._builder.run_at_points("grain", settings={"model": model}, **inputs)
 
     def _ignored(self, node, groups, name, neutral, instead):
         if name in node.inputs:

@@ -48,7 +48,6 @@ def test_unsupported_shader_is_never_black_without_a_word(build, kind):
 
 IGNORED = {
     "Subsurface Weight": 0.5,
-    "Anisotropic": 0.5,
     "Sheen Weight": 0.5,
     "Thin Film Thickness": 100.0,
 }
@@ -66,7 +65,6 @@ def test_principled_input_left_out_is_told(build, name):
 @pytest.mark.parametrize(
     ("kind", "values"),
     [
-        ("ShaderNodeBsdfGlossy", {"Anisotropy": 0.5}),
         ("ShaderNodeBsdfGlossy", {"distribution": "ASHIKHMIN_SHIRLEY"}),
         ("ShaderNodeBsdfMetallic", {"fresnel_type": "PHYSICAL_CONDUCTOR"}),
     ],

@@ -148,6 +148,48 @@ lit(
 lit("Transparent, tinted, that glows", _tinted_glow, blurred=True, warns="grey shadow")
 
 
+_BRUSHED = {
+    "Principled, brushed metal": {"Anisotropic": 0.8, "Roughness": 0.3},
+    "Principled, brushed and turned": {"Anisotropic": 0.5, "Anisotropic_Rotation": 0.15},
+    "Principled, brushed as far as can be": {"Anisotropic": 1.0},
+}
+for _name, _values in _BRUSHED.items():
+    lit(_name, principled(**{"Metallic": 1.0, "Roughness": 0.4} | _values))
+lit(
+    "Principled, brushed paint",
+    principled(Anisotropic=0.9, Roughness=0.3, Base_Color=RED, Diffuse_Roughness=0.5),
+)
+lit(
+    "Principled, brushing varies",
+    principled(Metallic=1.0, Anisotropic=noise_of, Anisotropic_Rotation=lambda t: t.axis("X")),
+)
+
+
+def _brushed(kind, distribution="GGX", **inputs):
+    return lambda t: t.made(
+        f"ShaderNodeBsdf{kind}",
+        0,
+        {"Roughness": 0.4, "Anisotropy": 0.7}
+        | {name: made(t) if callable(made) else made for name, made in inputs.items()},
+        distribution=distribution,
+    )
+
+
+def _tangent_of(**settings):
+    return lambda t: t.made("ShaderNodeTangent", 0, **settings)
+
+
+for _kind in ("GGX", "BECKMANN", "MULTI_GGX"):
+    lit(f"Glossy, brushed, {_kind}", _brushed("Anisotropic", _kind))
+    lit(f"Glossy, brushed across, {_kind}", _brushed("Anisotropic", _kind, Anisotropy=-0.5))
+lit("Metallic, brushed", _brushed("Metallic"))
+for _axis in "XYZ":
+    _tangent = _tangent_of(direction_type="RADIAL", axis=_axis)
+    lit(f"Tangent, radial {_axis}", _brushed("Anisotropic", Tangent=_tangent))
+lit("Tangent, UV map", _brushed("Anisotropic", Tangent=_tangent_of(direction_type="UV_MAP")))
+lit("Glossy, brushed, bump", _brushed("Anisotropic", Normal=_bent))
+
+
 def _held_out(make):
     """In a transparent film, alpha compared as well."""
 

@@ -8,7 +8,12 @@ _HORIZON = "one row of pixels, in which the sky triples within two texels of .18
 
 _STRAIGHT = "with direct light alone Cycles is black where a refracted ray ends in the body"
 
+_ALONG = "where the tangent is along the normal (the floor) Cycles is black, IWIS round"
+
 WHY = {
+    "Tangent, radial X": _ALONG,
+    "Tangent, radial Y": _ALONG,
+    "Glossy, brushed, bump": _BUMP,
     "Glass": _STRAIGHT,
     "Glass, rough": _STRAIGHT,
     "Principled, transmission": _STRAIGHT,

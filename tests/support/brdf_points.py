@@ -3,9 +3,10 @@
 import numpy as np
 
 from iwis.core._jit import kernel
-from iwis.core.brdf import eval_at, lobes_at, pdf_at, sample_at
+from iwis.core.brdf import eval_at, pdf_at, sample_at
 from iwis.core.lobe_setup import setup_lobes
 from iwis.core.lobes import Lobes
+from iwis.core.lobes_at import lobes_at
 from iwis.core.scene import GGX, PRINCIPLED, MaterialParams
 
 

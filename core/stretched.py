@@ -1,0 +1,151 @@
+"""Glossy lobes that are wider along one tangent than across it: brushed metal, records, hair.
+
+Facets have slopes of width alpha_x along the tangent and alpha_y across it [Heitz14, section 5.3].
+Lobes.alpha is the greater one, and the tangent its axis: a round lobe of that width covers the
+stretched one, so that the light's cells are chosen by it. What follows the lobe itself is exact.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ._jit import kernel
+from .microfacet import (
+    FOUR,
+    HALF,
+    INV_PI,
+    MIN_ALPHA,
+    ONE,
+    ZERO,
+    beckmann_d,
+    beckmann_lambda,
+    ggx_d,
+    ggx_lambda,
+)
+from .scene import BECKMANN
+
+_TINY = np.float32(1e-12)
+
+
+@kernel(forceinline=True)
+def cross(a, b):
+    """a x b, of tuples."""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+@kernel(forceinline=True)
+def _dot(a, x, y, z):
+    return a[0] * x + a[1] * y + a[2] * z
+
+
+@kernel(forceinline=True)
+def _facet(at, wi_x, wi_y, wi_z):
+    """h along the tangent, across it and along the normal, and wo . h."""
+    hx, hy, hz = at.wo[0] + wi_x, at.wo[1] + wi_y, at.wo[2] + wi_z
+    length2 = max(hx * hx + hy * hy + hz * hz, _TINY)
+    scale = ONE / math.sqrt(length2)
+    hx, hy, hz = hx * scale, hy * scale, hz * scale
+    side = cross(at.glossy_normal, at.tangent)
+    x, y = _dot(at.tangent, hx, hy, hz), _dot(side, hx, hy, hz)
+    return x, y, _dot(at.glossy_normal, hx, hy, hz), HALF * length2 * scale
+
+
+@kernel(forceinline=True)
+def _density(at, x, y, z):
+    """D of a facet's normal, sr^-1."""
+    a, b = x / at.alpha, y / at.narrow
+    slopes, area = a * a + b * b, at.alpha * at.narrow
+    z2 = z * z
+    if at.gaussian:
+        if z2 <= _TINY:
+            return ZERO
+        return math.exp(-slopes / z2) * INV_PI / (area * z2 * z2)
+    t = slopes + z2
+    return INV_PI / (area * t * t)
+
+
+@kernel(forceinline=True)
+def _width2(normal, tangent, wide, narrow, x, y, z):
+    """Square of the width of the slopes towards a direction."""
+    side = cross(normal, tangent)
+    along, across = _dot(tangent, x, y, z), _dot(side, x, y, z)
+    along, across = along * along, across * across
+    whole = along + across
+    if whole < _TINY:
+        return wide * narrow
+    return (wide * wide * along + narrow * narrow * across) / whole
+
+
+@kernel(forceinline=True)
+def stretched(at, wi_x, wi_y, wi_z, value):
+    """eval_lobes_at's value, of a round lobe of width at.alpha, with its gloss stretched."""
+    dr, dg, db, gr, gg, gb = value
+    cos_i = _dot(at.glossy_normal, wi_x, wi_y, wi_z)
+    if gr + gg + gb <= ZERO or cos_i <= ZERO:
+        return value
+    x, y, z, _ = _facet(at, wi_x, wi_y, wi_z)
+    wide2, sin2 = at.alpha * at.alpha, min(x * x + y * y, ONE)
+    width2 = _width2(at.glossy_normal, at.tangent, at.alpha, at.narrow, wi_x, wi_y, wi_z)
+    if at.gaussian:
+        round_d = beckmann_d(wide2, sin2)
+        hidden, round_hidden = beckmann_lambda(width2, cos_i), beckmann_lambda(wide2, cos_i)
+    else:
+        round_d = ggx_d(wide2, sin2)
+        hidden, round_hidden = ggx_lambda(width2, cos_i), ggx_lambda(wide2, cos_i)
+    if round_d <= ZERO:
+        return dr, dg, db, ZERO, ZERO, ZERO
+    gain = _density(at, x, y, z) * (at.seen + round_hidden) / (round_d * (at.seen + hidden))
+    return dr, dg, db, gr * gain, gg * gain, gb * gain
+
+
+@kernel(forceinline=True)
+def pdf_stretched(at, wi_x, wi_y, wi_z):
+    """The density of wo mirrored by a facet of sample_ggx_visible_normal (GGX), or of any."""
+    x, y, z, cos_h = _facet(at, wi_x, wi_y, wi_z)
+    if at.gaussian:
+        return _density(at, x, y, z) * abs(z) / (FOUR * cos_h)
+    if z > ZERO:
+        return _density(at, x, y, z) / (FOUR * at.cos_o * at.seen)
+    return ZERO
+
+
+@kernel
+def stretch_lobes(lobes, grain):
+    """Stretch the gloss of points.
+
+    lobes: Lobes of round gloss, written to; grain: float32 (n, 3), along the tangent, as long as
+    the root of alpha_x / alpha_y; 0 = round
+    """
+    for p in range(len(grain)):
+        g, n = grain[p], lobes.glossy_normal[p]
+        ratio = math.sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])
+        normal = (n[0], n[1], n[2])
+        side = cross(normal, (g[0], g[1], g[2]))
+        length = math.sqrt(_dot(side, side[0], side[1], side[2]))
+        if ratio <= ZERO or length <= np.float32(1e-6) * ratio or lobes.cos_o[p] <= ZERO:
+            continue
+        side = (side[0] / length, side[1] / length, side[2] / length)
+        alpha = lobes.alpha[p]
+        wide = min(max(alpha * ratio, MIN_ALPHA), ONE)
+        narrow = min(max(alpha / ratio, MIN_ALPHA), ONE)
+        if wide == narrow:
+            continue
+        tangent = cross(side, normal)
+        if wide < narrow:
+            wide, narrow, tangent = narrow, wide, side
+        lobes.alpha[p], lobes.narrow[p] = wide, narrow
+        for c in range(3):
+            lobes.tangent[p, c] = tangent[c]
+        wo = lobes.wo[p]
+        width2 = _width2(normal, tangent, wide, narrow, wo[0], wo[1], wo[2])
+        lobes.seen[p] = ONE
+        if lobes.distribution[p] == BECKMANN:
+            lobes.seen[p] += beckmann_lambda(width2, lobes.cos_o[p])
+        else:
+            lobes.seen[p] += ggx_lambda(width2, lobes.cos_o[p])

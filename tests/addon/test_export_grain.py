@@ -1,0 +1,77 @@
+"""Materials of the open file whose gloss is stretched."""
+
+import numpy as np
+import pytest
+
+from iwis.core.nodes.layers import grain
+from iwis.core.program import Ref
+from support.material_builds import Build, only, program_of
+
+
+@pytest.fixture
+def build(scene):
+    return Build()
+
+
+ISOTROPIC = [
+    ("ShaderNodeBsdfPrincipled", {"Anisotropic": 0.0}),
+    ("ShaderNodeBsdfAnisotropic", {"Anisotropy": 0.0, "Rotation": 0.3}),
+    ("ShaderNodeBsdfMetallic", {"Anisotropy": 0.0}),
+]
+
+
+@pytest.mark.parametrize(("kind", "values"), ISOTROPIC)
+def test_round_gloss_needs_no_program(build, kind, values):
+    build.surface(build.node(kind, **values))
+    assert program_of(build) is None
+
+
+STRETCHED = [
+    ("ShaderNodeBsdfPrincipled", {"Anisotropic": 0.5}),
+    ("ShaderNodeBsdfAnisotropic", {"Anisotropy": -0.5}),
+    ("ShaderNodeBsdfMetallic", {"Anisotropy": 0.5}),
+]
+
+
+@pytest.mark.parametrize(("kind", "values"), STRETCHED)
+def test_stretched_gloss_has_a_grain_and_no_warning(build, kind, values):
+    assert only(build.surface(build.node(kind, **values)))[1] == []
+    (closure,) = program_of(build).closures
+    assert isinstance(closure.grain, Ref)
+
+
+@pytest.mark.parametrize(
+    ("direction", "request_of"), [("RADIAL", "generated"), ("UV_MAP", "tangent:")]
+)
+def test_tangent_node_asks_the_mesh(build, direction, request_of):
+    """Generated coordinates, or the tangents of the active UV map."""
+    from iwis.iwis_addon.export.material import export_shaders
+
+    tangent = build.node("ShaderNodeTangent", direction_type=direction)
+    links = [("Tangent", tangent.outputs[0])]
+    build.surface(build.node("ShaderNodeBsdfAnisotropic", links=links, Anisotropy=0.5))
+    assert export_shaders([build.material], []).requests == (frozenset({request_of}),)
+
+
+@pytest.mark.parametrize(
+    ("model", "amount", "length"),
+    [
+        ("ASPECT", 0.9, 0.19**-0.5),
+        ("GLOSSY", 0.5, 0.5),
+        ("GLOSSY", -0.5, 2.0),
+        ("ASPECT", -1.0, 1.0),
+    ],
+)
+def test_grain_turns_and_stretches(model, amount, length):
+    """A quarter turn about the normal; the length is the root of alpha_x / alpha_y."""
+
+    class Up:
+        normal = np.float32([[0.0, 0.0, 1.0]])
+
+        def __len__(self):
+            return 1
+
+    inputs = {"Anisotropy": np.float32(amount), "Rotation": np.float32(0.25)}
+    inputs["Tangent"] = np.float32([1.0, 0.0, 0.0])
+    found = grain(Up(), {"model": model}, inputs)[""]
+    np.testing.assert_allclose(found, [[0.0, length, 0.0]], atol=1e-6)
