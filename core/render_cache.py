@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import operator
+
 import numpy as np
 
 from .accel import Accel
@@ -10,11 +12,12 @@ from .environment import make_lookup
 from .light_cache import light_key, load_light, save_light
 from .light_rays import Light, make_light
 from .light_tree import build_pyramid
+from .moved_accel import moved, moves_between, settled
 from .moving_accel import MovingAccel
 from .paper_tables import PaperTables, TableBuilder
 from .pyramid import LightPyramid
 from .scene import EnvironmentMap, Scene, TriangleMesh
-from .scene_rays import RayParts, SceneRays, ray_masks
+from .scene_rays import RayMasks, RayParts, SceneRays, ray_masks
 from .settings import RenderSettings
 from .table_cache import table_folder
 
@@ -28,6 +31,9 @@ class RenderCache:
     def __init__(self):
         self._accel: Accel | None = None
         self._parts: RayParts | None = None
+        self._places: np.ndarray | None = None  # of the objects in either
+        self._masks: tuple[tuple, RayMasks | None] | None = None
+        self._moved = False  # whether either was asked for objects that have moved
         self._environment: EnvironmentMap | None = None
         self._light: Light | None = None
         self._unit: LightPyramid | None = None  # of the light, at strength 1
@@ -39,27 +45,79 @@ class RenderCache:
         """The BVH of this mesh table, built unless it is the last one's; see Accel."""
         accel = self._accel
         if accel is None or accel.mesh is not mesh:
-            self._accel = accel = None  # two hierarchies at once would double the peak
+            if not self._moved:  # two hierarchies at once would double the peak
+                self._accel = accel = None
             self._accel = accel = Accel(mesh, cancelled)
         return accel
 
-    def rays(self, scene: Scene, cancelled=lambda: False) -> Accel | SceneRays:
-        """What the rays of a scene meet: its Accel, or several where not all see the same."""
+    def rays(self, scene: Scene, cancelled=lambda: False, quick: bool = False) -> Accel | SceneRays:
+        """What the rays of a scene meet: its Accel, or several where not all see the same.
+
+        quick: where objects have moved, rays may be slower if they are there sooner; until the
+        next call (docs/decisions/0026-moved-objects.md)
+        """
         if scene.motion is not None:
             return self._moving_rays(scene, cancelled)
-        masks, parts = ray_masks(scene), self._parts
-        if masks is None:
+        masks = self._ray_masks(scene)
+        self._settle()
+        found = self._moved_rays(scene, masks, cancelled) if quick else None
+        if found is not None:
+            return found
+        if not self._moved and masks is None:  # two hierarchies at once would double the peak
             self._parts = None
-            return self.accel(scene.mesh, cancelled)
+        parts = None if masks is None else self._ray_parts(scene, masks, cancelled)
+        accel = self.accel(scene.mesh, cancelled) if masks is None else None
+        self._accel, self._parts = accel, parts
+        self._places, self._moved = scene.object_to_world, False
+        return accel if parts is None else SceneRays(scene, parts)
+
+    def _ray_parts(self, scene: Scene, masks: RayMasks, cancelled) -> RayParts:
+        parts = self._parts
         if parts is None or parts.mesh is not scene.mesh or not masks.same(parts.masks):
-            self._accel = self._parts = parts = None
-            self._parts = parts = RayParts(scene.mesh, masks, cancelled)
-        return SceneRays(scene, parts)
+            if not self._moved:
+                self._accel = self._parts = parts = None
+            parts = RayParts(scene.mesh, masks, cancelled)
+        return parts
+
+    def _ray_masks(self, scene: Scene) -> RayMasks | None:
+        """The last ones while what they are made of is the same: grids take their time."""
+        made_of = scene.mesh, scene.materials, scene.shaders, scene.object_flags
+        if self._masks is None or any(map(operator.is_not, made_of, self._masks[0])):
+            self._masks = None
+            self._masks = made_of, ray_masks(scene)
+        return self._masks[1]
+
+    def _settle(self) -> None:
+        """End what the last _moved_rays did to the hierarchies that are kept."""
+        if self._moved and self._parts is not None:
+            self._parts.settle()
+        elif self._moved and self._accel is not None:
+            settled(self._accel)
+
+    def _moved_rays(self, scene: Scene, masks: RayMasks | None, cancelled):
+        """Rays by the hierarchies of the scene as it was before its objects moved, or None."""
+        base = self._accel if self._parts is None else self._parts
+        places, now = self._places, scene.object_to_world
+        if base is None or base.mesh is scene.mesh or places is None or now is None:
+            return None
+        if base.mesh.triangles is not scene.mesh.triangles or len(places) != len(now):
+            return None
+        if (masks is None) != (self._parts is None) or (masks and not masks.same(base.masks)):
+            return None
+        moves = moves_between(places, now)
+        if moves is None:
+            return None
+        self._moved = True
+        if masks is None:
+            return moved(base, scene.mesh, moves, cancelled)
+        parts = base.moved(scene.mesh, moves, cancelled)
+        return None if parts is None else SceneRays(scene, parts)
 
     def _moving_rays(self, scene: Scene, cancelled) -> MovingAccel | SceneRays:
         """Of a scene whose objects move: nothing of it is kept for the next frame."""
         self._accel = self._parts = None
-        masks = ray_masks(scene)
+        self._moved = False
+        masks = self._ray_masks(scene)
         if masks is None:
             return MovingAccel(scene.mesh, scene.motion, cancelled)
         return SceneRays(scene, RayParts(scene.mesh, masks, cancelled, scene.motion))

@@ -254,6 +254,7 @@ class Scene:
     lamps: what lights the scene beside its environment
     motion: of objects while the shutter is open; pose: the slice of it that a copy of the scene
         stands for, made by time_slices.py
+    object_to_world: float64 (n_objects, 4, 4), where the mesh table has objects; None = not told
     """
 
     mesh: TriangleMesh
@@ -273,6 +274,7 @@ class Scene:
     lamps: Lamps = NO_LAMPS
     motion: ObjectMotion | None = None
     pose: Pose | None = None
+    object_to_world: np.ndarray | None = None
 
     def __post_init__(self):
         if self.pose is not None:  # a copy of what has been checked
