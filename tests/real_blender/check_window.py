@@ -77,6 +77,7 @@ def main() -> None:
         (["--measure"], {"action": "store_true", "help": "measure latencies instead"}),
         (["--render"], {"type": Path, "help": "only previews and renders; pictures go here"}),
         (["--shots"], {"type": Path, "help": "write the screenshots of the docs here instead"}),
+        (["--rules"], {"action": "store_true", "help": "no random edits, and none but restarts"}),
         (["--seed"], {"type": int, "default": 1, "help": "other edits"}),
     )
     samples = ROOT / "sample_blends"
@@ -88,6 +89,10 @@ def main() -> None:
             options.shots.mkdir(parents=True, exist_ok=True)
             words = [options.shots.resolve()]
             run_script(blender, folder, "shots_in_window.py", [samples / "statue.blend"], words)
+            return
+        if options.rules:
+            words = [options.seed, 0, folder, samples / "turntable.blend"]
+            run_script(blender, folder, "edit_in_window.py", [samples / "statue.blend"], words)
             return
         pictures = options.render or folder / "renders"
         pictures.mkdir(parents=True, exist_ok=True)
