@@ -27,6 +27,7 @@ NEEDED = (
     "DATA_PT_spot",
     "DATA_PT_lens",
     "DATA_PT_camera",
+    "DATA_PT_preview",
     "RENDER_PT_format",
     "RENDER_PT_output",
     "RENDER_PT_frame_range",
