@@ -1,17 +1,21 @@
 """The picture of a Sky Texture in a window: what is there at once, and the right one once it is.
 
 A process of Blender takes seconds for one (sky.py). A slider that is dragged asks for dozens: one
-is rendered at a time, then the newest that was asked for.
+is rendered when it comes to rest, or has not for a while; then the newest that was asked for.
 """
 
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 
 import numpy as np
 
 from .sky import Launch, Skies, SkyError, SkyWanted, kept_sky, remember, render_sky
+
+# How long a slider has not moved when it rests; how long one that never rests is waited for.
+_REST_SECONDS, _LONGEST_SECONDS = 0.25, 2.0
 
 
 class LateSkies(Skies):
@@ -24,6 +28,7 @@ class LateSkies(Skies):
         self._rendered: dict[str, np.ndarray | SkyError] = {}
         self._shown: dict[str, np.ndarray] = {}  # the last sky, by the node's name
         self._news = self._closed = False
+        self._newest, self._asked_at = "", 0.0  # the last key, and when it was first asked for
         self._launch: Launch | None = None
         self._thread = self._child = None
 
@@ -50,6 +55,8 @@ class LateSkies(Skies):
         sky = kept_sky(wanted)
         with self._lock:
             if sky is None:
+                if wanted.key != self._newest:
+                    self._newest, self._asked_at = wanted.key, time.monotonic()
                 self._wanted[wanted.key] = wanted, node.name
                 self._start()
                 return self._shown.get(node.name)
@@ -77,23 +84,31 @@ class LateSkies(Skies):
             self._thread.start()
 
     def _work(self):
+        began = time.monotonic()
         while True:
             with self._lock:
                 missing = [w for key, w in self._wanted.items() if key not in self._rendered]
                 if self._closed or not missing:
                     self._thread = None
                     return
-            wanted, name = missing[0]
-            try:
-                sky = render_sky(wanted, self._launch, self._started)
-            except SkyError as error:
-                sky = error
-            with self._lock:
-                self._take_in(wanted, name, sky)
-            try:
-                self._arrived()
-            except ReferenceError:  # nobody looks any more
-                self.close()
+                rest = self._asked_at + _REST_SECONDS - time.monotonic()
+            if rest > 0.0 and time.monotonic() - began < _LONGEST_SECONDS:
+                time.sleep(min(rest, 0.05))
+                continue
+            self._render(*missing[0])
+            began = time.monotonic()
+
+    def _render(self, wanted: SkyWanted, name: str):
+        try:
+            sky = render_sky(wanted, self._launch, self._started)
+        except SkyError as error:
+            sky = error
+        with self._lock:
+            self._take_in(wanted, name, sky)
+        try:
+            self._arrived()
+        except ReferenceError:  # nobody looks any more
+            self.close()
 
     def _take_in(self, wanted: SkyWanted, name: str, sky):
         self._child = None

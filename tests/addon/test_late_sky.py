@@ -21,6 +21,7 @@ class Kitchen:
         monkeypatch.setenv("IWIS_CACHE_DIR", str(tmp_path))
         monkeypatch.setattr(sky, "_LAST", {})
         monkeypatch.setattr(late_sky, "render_sky", self.render)
+        monkeypatch.setattr(late_sky, "_REST_SECONDS", 0.0)
         self.begun, self.child = [], types.SimpleNamespace(killed=False, kill=self.kill)
         self.out = threading.Semaphore(0)
         self.failing = False
@@ -97,6 +98,24 @@ def test_a_dragged_slider_skips_what_nobody_asks_for_any_more(kitchen, skies, no
     kitchen.serve()
     assert read(skies, node)[0].mean() == pytest.approx(0.4) and not skies.waiting
     assert kitchen.begun == [0.1, 0.4]
+
+
+def test_a_slider_is_waited_for_until_it_rests(kitchen, skies, node, monkeypatch):
+    """Of one that is dragged for a moment only the last place is rendered."""
+    monkeypatch.setattr(late_sky, "_REST_SECONDS", 0.5)
+    for elevation in (0.1, 0.2, 0.3, 0.4):
+        node.sun_elevation = elevation
+        read(skies, node)
+        skies._thread.join(0.02)
+    kitchen.serve()
+    assert read(skies, node)[0].mean() == pytest.approx(0.4)
+    assert kitchen.begun == [0.4]
+    monkeypatch.setattr(late_sky, "_LONGEST_SECONDS", 0.1)  # it does not rest: it has to come
+    monkeypatch.setattr(late_sky, "_REST_SECONDS", SECONDS)
+    node.sun_elevation = 0.5
+    read(skies, node)
+    kitchen.serve()
+    assert read(skies, node)[0].mean() == pytest.approx(0.5)
 
 
 def test_two_skies_of_a_tree_come_one_after_the_other(kitchen, skies, node):
