@@ -75,8 +75,14 @@ def run_script(blender, folder: Path, script: str, arguments: list, words: list,
 def live(blender, folder: Path, package: Path) -> None:
     """An extension's life in a Blender that has never seen it."""
     fresh = Blender(blender.program, folder / "fresh")
+    fresh.environment.update(_shared_kernels(folder))
     sample = ROOT / "sample_blends" / "statue.blend"
     run_script(fresh, folder, "life_in_window.py", [sample], [folder, package.resolve()])
+
+
+def _shared_kernels(folder: Path) -> dict[str, str]:
+    """Compiled once for all windows of a run."""
+    return {"IWIS_CACHE_DIR": str(folder / "cache")}
 
 
 def main() -> None:
@@ -92,6 +98,7 @@ def main() -> None:
     )
     samples = ROOT / "sample_blends"
     with installed(options) as (blender, folder, package):
+        blender.environment.update(_shared_kernels(folder))
         if options.measure:
             run_script(blender, folder, "measure_in_window.py", [], [folder])
             return

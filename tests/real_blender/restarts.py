@@ -123,7 +123,7 @@ def world():
 
 
 def samples():
-    scene().iwis.viewport.max_samples += 8
+    scene().iwis.viewport.max_samples += 1
 
 
 def threshold():
@@ -198,6 +198,7 @@ def check_restarts():
     """Each change alone, with the count of restarts that came of it: one, or none."""
     inside.show_rendered()
     through("PERSP")()
+    scene().iwis.viewport.max_samples = 8  # each change waits for its picture
     yield from inside.until(inside.converged, 900.0, "the first picture")
     undo_push()
     counts = {}
