@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from .environment import make_lookup
 from .light_cache import light_key, load_light, save_light
 from .light_rays import Light, make_light
 from .light_tree import build_pyramid
-from .moved_accel import moved, moves_between, settled
+from .moved_accel import Moves, moved, moves_between, settled
 from .moving_accel import MovingAccel
 from .paper_tables import PaperTables, TableBuilder
 from .pyramid import LightPyramid
@@ -20,6 +21,30 @@ from .scene import EnvironmentMap, Scene, TriangleMesh
 from .scene_rays import RayMasks, RayParts, SceneRays, ray_masks
 from .settings import RenderSettings
 from .table_cache import table_folder
+
+
+class _Built(NamedTuple):
+    """What hierarchies were made of; programs: of Shaders; places: Scene.object_to_world."""
+
+    triangles: np.ndarray
+    programs: tuple | None
+    flags: np.ndarray | None
+    places: np.ndarray | None
+
+    @classmethod
+    def of(cls, scene: Scene) -> _Built:
+        programs = None if scene.shaders is None else scene.shaders.programs
+        return cls(scene.mesh.triangles, programs, scene.object_flags, scene.object_to_world)
+
+    def moves(self, now: _Built) -> Moves | None:
+        """What has moved, where nothing else has changed; else None."""
+        if now.triangles is not self.triangles or now.programs is not self.programs:
+            return None
+        if self.places is None or now.places is None or len(self.places) != len(now.places):
+            return None
+        if not (self.flags is now.flags or np.array_equal(self.flags, now.flags)):
+            return None
+        return moves_between(self.places, now.places)
 
 
 class RenderCache:
@@ -31,7 +56,7 @@ class RenderCache:
     def __init__(self):
         self._accel: Accel | None = None
         self._parts: RayParts | None = None
-        self._places: np.ndarray | None = None  # of the objects in either
+        self._built: _Built | None = None  # what either was made of
         self._masks: tuple[tuple, RayMasks | None] | None = None
         self._moved = False  # whether either was asked for objects that have moved
         self._environment: EnvironmentMap | None = None
@@ -58,17 +83,17 @@ class RenderCache:
         """
         if scene.motion is not None:
             return self._moving_rays(scene, cancelled)
-        masks = self._ray_masks(scene)
         self._settle()
-        found = self._moved_rays(scene, masks, cancelled) if quick else None
+        found = self._moved_rays(scene, cancelled) if quick else None
         if found is not None:
             return found
+        masks = self._ray_masks(scene)
         if not self._moved and masks is None:  # two hierarchies at once would double the peak
             self._parts = None
         parts = None if masks is None else self._ray_parts(scene, masks, cancelled)
         accel = self.accel(scene.mesh, cancelled) if masks is None else None
         self._accel, self._parts = accel, parts
-        self._places, self._moved = scene.object_to_world, False
+        self._built, self._moved = _Built.of(scene), False
         return accel if parts is None else SceneRays(scene, parts)
 
     def _ray_parts(self, scene: Scene, masks: RayMasks, cancelled) -> RayParts:
@@ -94,21 +119,19 @@ class RenderCache:
         elif self._moved and self._accel is not None:
             settled(self._accel)
 
-    def _moved_rays(self, scene: Scene, masks: RayMasks | None, cancelled):
-        """Rays by the hierarchies of the scene as it was before its objects moved, or None."""
+    def _moved_rays(self, scene: Scene, cancelled):
+        """Rays by the hierarchies of the scene as it was before its objects moved, or None.
+
+        What a world position decides of opacities stays as it was, until they are built anew.
+        """
         base = self._accel if self._parts is None else self._parts
-        places, now = self._places, scene.object_to_world
-        if base is None or base.mesh is scene.mesh or places is None or now is None:
+        if base is None or base.mesh is scene.mesh:
             return None
-        if base.mesh.triangles is not scene.mesh.triangles or len(places) != len(now):
-            return None
-        if (masks is None) != (self._parts is None) or (masks and not masks.same(base.masks)):
-            return None
-        moves = moves_between(places, now)
+        moves = self._built.moves(_Built.of(scene)) if self._built else None
         if moves is None:
             return None
         self._moved = True
-        if masks is None:
+        if self._parts is None:
             return moved(base, scene.mesh, moves, cancelled)
         parts = base.moved(scene.mesh, moves, cancelled)
         return None if parts is None else SceneRays(scene, parts)

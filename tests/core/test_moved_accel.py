@@ -5,16 +5,25 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core import moved_accel
+from iwis.core import moved_accel, render_cache, scene_rays
 from iwis.core.accel import Accel
 from iwis.core.moved_accel import MovedAccel, moved, moves_between, settled
+from iwis.core.program import Closure, Program
 from iwis.core.progressive import Pace, render_progressive
 from iwis.core.render_cache import RenderCache
-from iwis.core.scene import CAMERA_RAYS, SHADOW_RAYS
+from iwis.core.scene import CAMERA_RAYS, DIFFUSE, GGX, SHADOW_RAYS
 from iwis.core.scene_rays import SceneRays
 from iwis.core.settings import RenderSettings
 from iwis.core.watch import Cancelled, StopFlag
-from support.scenes import varied_scene
+from support.programs import with_programs
+from support.scenes import (
+    camera_above,
+    constant_world,
+    diffuse,
+    floor,
+    make_scene,
+    varied_scene,
+)
 
 
 def matrix_of(angle, shift, size=1.0):
@@ -174,3 +183,32 @@ def copied(picture):
 
 def test_warm_up_traces():
     moved_accel.warm_up()
+
+
+@pytest.mark.parametrize("large", [False, True], ids=["own hierarchies", "instances"])
+@pytest.mark.parametrize("able", [False, True], ids=["hit by hit", "by Embree's filter"])
+def test_a_cut_out_lets_rays_through_where_it_has_moved_to(monkeypatch, rng, large, able):
+    """Half of them, and nowhere else; its grid is not baked anew for it."""
+    monkeypatch.setattr(moved_accel, "_LARGE", 0 if large else 1 << 30)
+    monkeypatch.setattr(scene_rays, "can_filter", lambda: able)
+    closure = Closure(DIFFUSE, GGX, np.full(3, 0.5, np.float32), {})
+    half = Program(ops=(), closures=(closure,), transparent=np.full(3, 0.5, np.float32))
+    camera = camera_above(4, 4)
+    parts = [floor(5.0, -1.0), floor(1.0, 1.0)]
+    scene = make_scene(parts, [diffuse(), diffuse()], constant_world(), camera)
+    scene = with_programs(scene, None, half)
+    scene = dataclasses.replace(scene, object_to_world=np.tile(np.eye(4), (2, 1, 1)))
+    cache = RenderCache()
+    cache.rays(scene)
+    monkeypatch.setattr(render_cache, "ray_masks", None)
+    quick = cache.rays(with_moves(scene, {1: matrix_of(0.0, (3.0, 0.0, 0.5))}), quick=True)
+    assert quick.by_rays is not able
+    assert type(quick._parts.camera.accel) is MovedAccel
+    starts = np.zeros((4000, 3), np.float32)
+    starts[:, 0] = rng.uniform(-4.0, 4.0, 4000)
+    ways = rng.uniform(-0.05, 0.05, (4000, 3)).astype(np.float32)
+    ways[:, 2] += 1.0
+    blocked, x = quick.occluded(starts, ways), starts[:, 0]
+    under, beside = (x > 2.1) & (x < 3.9), x < 1.9
+    assert abs(blocked[under].mean() - 0.5) < 0.07  # four standard errors of some 900 rays
+    assert not blocked[beside].any()
