@@ -17,7 +17,8 @@ In the order of the data; a module imports only from groups with a smaller numbe
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, measured, lobe_setup, embree_instances
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
-    light_rays, paper_tables, light_cells, lamp_light, pass_rays, moving_accel
+    light_rays, paper_tables, light_cells, lamp_light, pass_rays, moving_accel,
+    moved_accel
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree, backdrop, emission_parts
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes

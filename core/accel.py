@@ -34,9 +34,10 @@ MISS = -1
 class Accel:
     """The bounding volume hierarchy of one mesh table; queries release the GIL.
 
-    mesh: the table; offset: metres that a ray must start off its surface; traversal: for kernels
-    that trace rays themselves (embree_rays.py), while the Accel is held; by_rays: whether a
-    subclass wants to be asked for every shadow ray by occluded() instead, which is slower
+    mesh: the table; opacity: as given; offset: metres that a ray must start off its surface;
+    traversal: for kernels that trace rays themselves (embree_rays.py), while the Accel is held;
+    by_rays: whether a subclass wants to be asked for every shadow ray by occluded() instead, which
+    is slower
     """
 
     by_rays = False
@@ -46,7 +47,7 @@ class Accel:
 
         opacity: what lets shadow rays through; only where embree.can_filter says so
         """
-        self.mesh = mesh
+        self.mesh, self.opacity = mesh, opacity
         self.offset = ray_offset(mesh.vertices)
         self._scene, self.traversal = None, NOTHING
         if len(mesh.triangles) == 0:
@@ -60,6 +61,11 @@ class Accel:
         if not self._scene.commit(cancelled) or cancelled():
             raise Cancelled
         self.traversal = self._scene.traversal()
+
+    @property
+    def scene(self) -> EmbreeScene | None:
+        """The hierarchy; None where there is no triangle, or embreex stands in."""
+        return self._scene if isinstance(self._scene, EmbreeScene) else None
 
     def intersect(self, origins: np.ndarray, directions: np.ndarray):
         """The nearest hits: (triangle int32 (n,), MISS where none; u, v float32 (n,)).

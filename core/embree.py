@@ -17,7 +17,7 @@ import numba
 import numpy as np
 
 from ._jit import c_callback
-from .embree_filter import ShadowFilter
+from .embree_filter import GroupFilter, ShadowFilter
 from .embree_rays import Traversal
 
 # How soon a build hears of a cancel. Embree asks several thousand times a build.
@@ -57,6 +57,8 @@ _SIGNATURES = {
     ),
     "rtcSetGeometryUserData": (None, [_HANDLE] * 2),
     "rtcSetGeometryOccludedFilterFunction": (None, [_HANDLE] * 2),
+    "rtcSetGeometryIntersectFilterFunction": (None, [_HANDLE] * 2),
+    "rtcGetGeometry": (_HANDLE, [_HANDLE, ctypes.c_uint]),
     "rtcCommitGeometry": (None, [_HANDLE]),
     "rtcAttachGeometry": (ctypes.c_uint, [_HANDLE, _HANDLE]),
     "rtcReleaseGeometry": (None, [_HANDLE]),
@@ -153,11 +155,25 @@ class EmbreeScene:
                 geometry, kind, 0, form, array.ctypes.data, 0, array.strides[0], len(array)
             )
         if self._filter is not None:
-            library.rtcSetGeometryUserData(geometry, self._filter.data)
-            library.rtcSetGeometryOccludedFilterFunction(geometry, self._filter.function)
+            self._ask(geometry, self._filter)
         library.rtcCommitGeometry(geometry)
         library.rtcAttachGeometry(self.handle, geometry)
         library.rtcReleaseGeometry(geometry)  # the scene keeps it
+
+    def _ask(self, geometry, own: ShadowFilter | GroupFilter | None) -> None:
+        library = self._library
+        library.rtcSetGeometryUserData(geometry, own and own.data)
+        library.rtcSetGeometryOccludedFilterFunction(geometry, own and own.function)
+        nearest = (own and own.nearest) or None
+        library.rtcSetGeometryIntersectFilterFunction(geometry, nearest)
+
+    def ask(self, own: ShadowFilter | GroupFilter | None) -> None:
+        """Another filter for a hierarchy that is built: for single rays. Packets go on as before.
+
+        Nobody may be tracing rays meanwhile.
+        """
+        self._ask(self._library.rtcGetGeometry(self.handle, 0), own)
+        self._filter = own
 
     def commit(self, cancelled=lambda: False) -> bool:
         """Build the hierarchy in a thread of its own; whether it was finished.

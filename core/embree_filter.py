@@ -1,8 +1,9 @@
-"""Embree's question at each hit of a shadow ray: does it end here?
+"""Embree's question at each hit of a ray: does it end here?
 
 Called by Embree itself, for one ray or a packet, in any thread. The answer is that of grids
 (opacity.py makes them); between 0 and 1 it is drawn, by a hash of the ray, so that it is the same
-in every run.
+in every run. Where a hierarchy stands in several places, each instance may show some of its
+triangles alone (moved_accel.py).
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from ._jit import c_callback, kernel
 from .embree_rays import get_byte, get_float, get_int, get_word, put_int
 
 _ONE = np.float32(1.0)
-_DIRECTION, _U, _V, _TRIANGLE = 4, 3, 4, 5  # rows of RTCRayN and RTCHitN
+_DIRECTION, _U, _V, _TRIANGLE, _INSTANCE = 4, 3, 4, 5, 7  # rows of RTCRayN and RTCHitN
+_GROUPS = 32  # bytes before the address of the groups, in what a filter reads
 
 
 class Opacity(NamedTuple):
@@ -39,12 +41,29 @@ class Opacity(NamedTuple):
 
 
 class ShadowFilter:
-    """What Embree is given with a mesh: the address of a function, and of what it reads."""
+    """What Embree is given with a mesh: the address of a function, and of what it reads.
+
+    nearest: of a function for rays that ask for the nearest hit; 0 = none
+    """
+
+    nearest = 0
 
     def __init__(self, opacity: Opacity):
         self._arrays = tuple(np.ascontiguousarray(array) for array in opacity)
         self._places = (ctypes.c_size_t * 4)(*(a.ctypes.data for a in self._arrays))
         self.function, self.data = let_through.address, ctypes.addressof(self._places)
+
+
+class GroupFilter:
+    """ShadowFilter of a mesh that stands in several places, each of which shows a part of it."""
+
+    def __init__(self, groups: np.ndarray, opacity: Opacity | None = None):
+        """groups: uint8 (triangles,), the number of the instance that shows each"""
+        self._arrays = tuple(np.ascontiguousarray(array) for array in (*(opacity or ()), groups))
+        places = [0] * (5 - len(self._arrays)) + [array.ctypes.data for array in self._arrays]
+        self._places = (ctypes.c_size_t * 5)(*places)
+        self.data, self.nearest = ctypes.addressof(self._places), show_groups.address
+        self.function = (show_groups if opacity is None else show_and_let_through).address
 
 
 @kernel
@@ -78,9 +97,8 @@ def _drawn(ray, hit, row, u, v):
     return np.float32(mixed >> np.uint32(8)) * np.float32(255.0 / 16777216.0)
 
 
-@c_callback(numba.types.void(numba.types.intp))
-def let_through(arguments):
-    """RTCFilterFunctionN: clears the lanes whose ray goes on."""
+@kernel
+def _let_through(arguments):
     valid, grids = get_word(arguments), get_word(arguments + 8)
     rays, hits = get_word(arguments + 24), get_word(arguments + 32)
     row = 4 * get_int(arguments + 40)
@@ -98,3 +116,35 @@ def let_through(arguments):
         passing = _passes(values, start, side, u, v)
         if passing > np.float32(0.0) and _drawn(rays + lane, hit, row, u, v) < passing:
             put_int(valid + lane, 0)
+
+
+@kernel
+def _show_groups(arguments):
+    valid, groups = get_word(arguments), get_word(get_word(arguments + 8) + _GROUPS)
+    hits, row = get_word(arguments + 32), 4 * get_int(arguments + 40)
+    for lane in range(0, row, 4):
+        if get_int(valid + lane) == 0:
+            continue
+        hit = hits + lane
+        group = np.int32(get_byte(groups + get_int(hit + _TRIANGLE * row)))
+        if group != get_int(hit + _INSTANCE * row):
+            put_int(valid + lane, 0)
+
+
+@c_callback(numba.types.void(numba.types.intp))
+def let_through(arguments):
+    """RTCFilterFunctionN: clears the lanes whose ray goes on through an opacity."""
+    _let_through(arguments)
+
+
+@c_callback(numba.types.void(numba.types.intp))
+def show_groups(arguments):
+    """RTCFilterFunctionN: clears the lanes that hit what another instance shows."""
+    _show_groups(arguments)
+
+
+@c_callback(numba.types.void(numba.types.intp))
+def show_and_let_through(arguments):
+    """RTCFilterFunctionN: both."""
+    _show_groups(arguments)
+    _let_through(arguments)

@@ -25,7 +25,7 @@ from .scene import Camera, Scene
 from .sequence import common_points
 from .settings import RenderSettings
 from .tile_job import Job, TileWork
-from .watch import StopFlag
+from .watch import Cancelled, StopFlag
 
 # Pixels of the frame to either side of one pixel of a picture, the finest first.
 STEPS = (1, 2, 4, 8, 16)
@@ -107,7 +107,7 @@ def render_progressive(
     Raises watch.Cancelled where ``close`` ended the building of the BVH.
     """
     settings = dataclasses.replace(settings, estimator="UNBIASED")
-    accel = cache.rays(scene, close.is_set)
+    accel = cache.rays(scene, close.is_set, quick=True)
     light = cache.light(scene.environment, settings.cache_dir)
     step, stop, last = pace.first_step(scene.camera), close, None
     few = dataclasses.replace(
@@ -123,6 +123,10 @@ def render_progressive(
             show(last)
         step, stop = step // 2, restart
     if not stop.is_set():
+        try:
+            accel = cache.rays(scene, stop.is_set)  # another one where objects have moved
+        except Cancelled:
+            return
         job = Job(scene, settings, accel, light, None, _points(settings), stop, seen)
         _Rounds(job, last, show).run()
 

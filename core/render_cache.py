@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import operator
+from typing import NamedTuple
+
 import numpy as np
 
 from .accel import Accel
@@ -10,13 +13,38 @@ from .environment import make_lookup
 from .light_cache import light_key, load_light, save_light
 from .light_rays import Light, make_light
 from .light_tree import build_pyramid
+from .moved_accel import Moves, moved, moves_between, settled
 from .moving_accel import MovingAccel
 from .paper_tables import PaperTables, TableBuilder
 from .pyramid import LightPyramid
 from .scene import EnvironmentMap, Scene, TriangleMesh
-from .scene_rays import RayParts, SceneRays, ray_masks
+from .scene_rays import RayMasks, RayParts, SceneRays, ray_masks
 from .settings import RenderSettings
 from .table_cache import table_folder
+
+
+class _Built(NamedTuple):
+    """What hierarchies were made of; programs: of Shaders; places: Scene.object_to_world."""
+
+    triangles: np.ndarray
+    programs: tuple | None
+    flags: np.ndarray | None
+    places: np.ndarray | None
+
+    @classmethod
+    def of(cls, scene: Scene) -> _Built:
+        programs = None if scene.shaders is None else scene.shaders.programs
+        return cls(scene.mesh.triangles, programs, scene.object_flags, scene.object_to_world)
+
+    def moves(self, now: _Built) -> Moves | None:
+        """What has moved, where nothing else has changed; else None."""
+        if now.triangles is not self.triangles or now.programs is not self.programs:
+            return None
+        if self.places is None or now.places is None or len(self.places) != len(now.places):
+            return None
+        if not (self.flags is now.flags or np.array_equal(self.flags, now.flags)):
+            return None
+        return moves_between(self.places, now.places)
 
 
 class RenderCache:
@@ -28,6 +56,9 @@ class RenderCache:
     def __init__(self):
         self._accel: Accel | None = None
         self._parts: RayParts | None = None
+        self._built: _Built | None = None  # what either was made of
+        self._masks: tuple[tuple, RayMasks | None] | None = None
+        self._moved = False  # whether either was asked for objects that have moved
         self._environment: EnvironmentMap | None = None
         self._light: Light | None = None
         self._unit: LightPyramid | None = None  # of the light, at strength 1
@@ -39,27 +70,77 @@ class RenderCache:
         """The BVH of this mesh table, built unless it is the last one's; see Accel."""
         accel = self._accel
         if accel is None or accel.mesh is not mesh:
-            self._accel = accel = None  # two hierarchies at once would double the peak
+            if not self._moved:  # two hierarchies at once would double the peak
+                self._accel = accel = None
             self._accel = accel = Accel(mesh, cancelled)
         return accel
 
-    def rays(self, scene: Scene, cancelled=lambda: False) -> Accel | SceneRays:
-        """What the rays of a scene meet: its Accel, or several where not all see the same."""
+    def rays(self, scene: Scene, cancelled=lambda: False, quick: bool = False) -> Accel | SceneRays:
+        """What the rays of a scene meet: its Accel, or several where not all see the same.
+
+        quick: where objects have moved, rays may be slower if they are there sooner; until the
+        next call (docs/decisions/0026-moved-objects.md)
+        """
         if scene.motion is not None:
             return self._moving_rays(scene, cancelled)
-        masks, parts = ray_masks(scene), self._parts
-        if masks is None:
+        self._settle()
+        found = self._moved_rays(scene, cancelled) if quick else None
+        if found is not None:
+            return found
+        masks = self._ray_masks(scene)
+        if not self._moved and masks is None:  # two hierarchies at once would double the peak
             self._parts = None
-            return self.accel(scene.mesh, cancelled)
+        parts = None if masks is None else self._ray_parts(scene, masks, cancelled)
+        accel = self.accel(scene.mesh, cancelled) if masks is None else None
+        self._accel, self._parts = accel, parts
+        self._built, self._moved = _Built.of(scene), False
+        return accel if parts is None else SceneRays(scene, parts)
+
+    def _ray_parts(self, scene: Scene, masks: RayMasks, cancelled) -> RayParts:
+        parts = self._parts
         if parts is None or parts.mesh is not scene.mesh or not masks.same(parts.masks):
-            self._accel = self._parts = parts = None
-            self._parts = parts = RayParts(scene.mesh, masks, cancelled)
-        return SceneRays(scene, parts)
+            if not self._moved:
+                self._accel = self._parts = parts = None
+            parts = RayParts(scene.mesh, masks, cancelled)
+        return parts
+
+    def _ray_masks(self, scene: Scene) -> RayMasks | None:
+        """The last ones while what they are made of is the same: grids take their time."""
+        made_of = scene.mesh, scene.materials, scene.shaders, scene.object_flags
+        if self._masks is None or any(map(operator.is_not, made_of, self._masks[0])):
+            self._masks = None
+            self._masks = made_of, ray_masks(scene)
+        return self._masks[1]
+
+    def _settle(self) -> None:
+        """End what the last _moved_rays did to the hierarchies that are kept."""
+        if self._moved and self._parts is not None:
+            self._parts.settle()
+        elif self._moved and self._accel is not None:
+            settled(self._accel)
+
+    def _moved_rays(self, scene: Scene, cancelled):
+        """Rays by the hierarchies of the scene as it was before its objects moved, or None.
+
+        What a world position decides of opacities stays as it was, until they are built anew.
+        """
+        base = self._accel if self._parts is None else self._parts
+        if base is None or base.mesh is scene.mesh:
+            return None
+        moves = self._built.moves(_Built.of(scene)) if self._built else None
+        if moves is None:
+            return None
+        self._moved = True
+        if self._parts is None:
+            return moved(base, scene.mesh, moves, cancelled)
+        parts = base.moved(scene.mesh, moves, cancelled)
+        return None if parts is None else SceneRays(scene, parts)
 
     def _moving_rays(self, scene: Scene, cancelled) -> MovingAccel | SceneRays:
         """Of a scene whose objects move: nothing of it is kept for the next frame."""
         self._accel = self._parts = None
-        masks = ray_masks(scene)
+        self._moved = False
+        masks = self._ray_masks(scene)
         if masks is None:
             return MovingAccel(scene.mesh, scene.motion, cancelled)
         return SceneRays(scene, RayParts(scene.mesh, masks, cancelled, scene.motion))

@@ -247,13 +247,12 @@ class Scene:
         SHADOW_CATCHER: what the camera sees of it; None = plain objects that all rays see
     shaders: materials that vary over the surface; None: materials says all
     backdrop: what camera rays that hit nothing see in place of environment; None = the same
-    transparent_film: alpha 0 where the camera sees the world
-    exposure: factor of the film
+    transparent_film: alpha 0 where the camera sees the world; exposure: factor of the film
     occlusion_distance: metres that rays of the ambient-occlusion pass go; 0 = it is not wanted
     measured: the BRDFs that materials of model MEASURED name by their row
-    lamps: what lights the scene beside its environment
-    motion: of objects while the shutter is open; pose: the slice of it that a copy of the scene
-        stands for, made by time_slices.py
+    lamps: what lights the scene beside its environment; motion: of objects while the shutter is
+        open; pose: the slice of it that a copy of the scene stands for, made by time_slices.py
+    object_to_world: float64 (n_objects, 4, 4), where the mesh table has objects; None = not told
     """
 
     mesh: TriangleMesh
@@ -273,6 +272,7 @@ class Scene:
     lamps: Lamps = NO_LAMPS
     motion: ObjectMotion | None = None
     pose: Pose | None = None
+    object_to_world: np.ndarray | None = None
 
     def __post_init__(self):
         if self.pose is not None:  # a copy of what has been checked

@@ -16,6 +16,7 @@ from .accel import MISS, Accel
 from .cutouts import MOST_LAYERS, behind, cut_materials, drawn_numbers, passing_shares
 from .embree import can_filter
 from .embree_filter import Opacity
+from .moved_accel import Moves, moved, settled
 from .moving_accel import MovingAccel
 from .object_motion import ObjectMotion
 from .opacity import bake_opacity, can_bake
@@ -111,12 +112,22 @@ class PartAccel:
         other.accel = self.accel.at(number)
         return other
 
+    def moved(self, mesh: TriangleMesh, moves: Moves, cancelled) -> PartAccel | None:
+        """The same of a mesh that differs by moves; see moved_accel.moved."""
+        own = dataclasses.replace(self.accel.mesh, vertices=mesh.vertices)  # rays ask no normals
+        other = copy.copy(self)
+        other.accel = moved(self.accel, own, moves, cancelled)
+        return None if other.accel is None else other
+
     def intersect(self, origins, directions):
         """See Accel; triangles are counted as in the whole mesh."""
         hit, u, v = self.accel.intersect(origins, directions)
         if self.rows is not None and len(self.rows):
             hit = np.where(hit >= 0, self.rows[hit], np.int32(MISS))
         return hit, u, v
+
+
+_PARTS = ("solid", "camera", "cut", "others")  # of RayParts
 
 
 class RayParts:
@@ -144,10 +155,28 @@ class RayParts:
     def at(self, number: int) -> RayParts:
         """The same at a slice of the shutter's time."""
         other = copy.copy(self)
-        for name in ("solid", "camera", "cut", "others"):
+        for name in _PARTS:
             own = getattr(self, name)
             setattr(other, name, None if own is None else own.at(number))
         return other
+
+    def moved(self, mesh: TriangleMesh, moves: Moves, cancelled=lambda: False) -> RayParts | None:
+        """The same of a mesh that differs by moves; see moved_accel.moved."""
+        other, made = copy.copy(self), {}
+        other.mesh = mesh
+        for name in _PARTS:
+            own = getattr(self, name)
+            if own is not None and own not in made:
+                made[own] = own.moved(mesh, moves, cancelled)
+            setattr(other, name, made.get(own))
+        return None if None in made.values() else other
+
+    def settle(self) -> None:
+        """See moved_accel.settled."""
+        for name in _PARTS:
+            own = getattr(self, name)
+            if own is not None:
+                settled(own.accel)
 
 
 class SceneRays:

@@ -8,14 +8,16 @@ from __future__ import annotations
 import queue
 import threading
 
-from .watch import POLL_SECONDS
+# How long the caller's thread waits for a result before it asks whether to stop.
+_POLL_SECONDS = 0.01
+_ENDED = object()  # what a worker says last
 
 
 def run_pool(items, threads: int, work, take, cancelled, stop) -> bool:
     """Call take(work(item)) for every item: whether ``cancelled`` said stop before the end.
 
     work: called by one of ``threads`` workers, in the order of items; take: by the caller's thread.
-    cancelled: asked every POLL_SECONDS; then ``stop`` is set, no further item is begun, and what is
+    cancelled: asked every 0.01 s; then ``stop`` is set, no further item is begun, and what is
     in work is taken as it comes. stop: also for the workers to look at; set while an error is
     raised here, a worker's or one of take's.
     """
@@ -33,7 +35,7 @@ def run_pool(items, threads: int, work, take, cancelled, stop) -> bool:
         worker.start()
     done = False
     try:
-        was_cancelled = _collect(n, workers, finished, take, cancelled, stop)
+        was_cancelled = _collect(len(workers), finished, take, cancelled, stop)
         done = True
     finally:
         if not done:
@@ -51,23 +53,24 @@ def _work(waiting, work, finished, stop) -> None:
         pass
     except BaseException as error:  # raised again in the caller's thread
         finished.put(error)
+    finally:
+        finished.put(_ENDED)
 
 
-def _collect(n, workers, finished, take, cancelled, stop) -> bool:
-    was_cancelled, done = False, 0
-    while done < n:
+def _collect(working: int, finished, take, cancelled, stop) -> bool:
+    was_cancelled = False
+    while working:
         if not was_cancelled and cancelled():
             was_cancelled = True
             stop.set()
-        alive = any(worker.is_alive() for worker in workers)
         try:
-            result = finished.get(timeout=POLL_SECONDS)
+            result = finished.get(timeout=_POLL_SECONDS)
         except queue.Empty:
-            if not alive:
-                break
             continue
-        if isinstance(result, BaseException):
+        if result is _ENDED:
+            working -= 1
+        elif isinstance(result, BaseException):
             raise result
-        take(result)
-        done += 1
+        else:
+            take(result)
     return was_cancelled

@@ -31,7 +31,7 @@ class IWISRenderEngine(bpy.types.RenderEngine):
     bl_use_postprocess = True  # or Blender skips compositing
     bl_use_shading_nodes_custom = False  # or Cycles' shader nodes are hidden
     bl_use_eevee_viewport = True  # Material Preview is EEVEE's
-    bl_use_preview = True  # thumbnails of materials and worlds
+    bl_use_preview = True  # thumbnails of materials, worlds and lights
     bl_use_spherical_stereo = False
 
     viewport: Viewport | None = None  # of an engine object that shows the rendered view

@@ -17,7 +17,6 @@ from .sampling_presets import IWIS_PT_sampling_presets
 _EXCLUDED = {
     "DATA_PT_distance",
     "DATA_PT_light",
-    "DATA_PT_preview",
     "NODE_DATA_PT_light",
 }
 _EXCLUDED_WORDS = (

@@ -1,4 +1,4 @@
-"""One preview of a material or a world: Blender's small scene, in Blender's own small picture.
+"""One preview of a material, world or light: Blender's small scene in its own small picture.
 
 Blender makes these while a user works, each in a scene and file of its own, and cancels them at
 every edit. So a preview touches nothing of the user's render: no job, no records, no warnings.
@@ -23,7 +23,7 @@ from .sink import BlenderSink
 from .worker import run_in_worker
 
 # A thumbnail of 32 pixels shows no more; the spheres' shadows are soft at this error.
-_MAX_SAMPLES, _ERROR_THRESHOLD = 64, 0.1
+_MAX_SAMPLES, _ERROR_THRESHOLD = 64, 0.05
 
 
 class PreviewRender:

@@ -112,14 +112,18 @@ class _Tools:
 
     def __init__(self):
         dependencies.require()
-        from ..core import progressive
+        from ..core import moved_accel, progressive
         from ..core.render_cache import RenderCache
 
+        self._warm_up = moved_accel.warm_up
         self._cache, self._pace = RenderCache(), progressive.Pace()
         self._render = progressive.render_progressive
 
     def render(self, scene, settings, show, restart, close):
         self._render(scene, settings, show, self._cache, self._pace, restart, close)
+        if self._warm_up is not None:
+            self._warm_up()
+            self._warm_up = None
 
 
 def close_all() -> None:

@@ -20,6 +20,7 @@ from ..core.scene import Camera, Scene
 from ..core.settings import RenderSettings
 from . import view_picture, view_thread
 from .export import ExportCache, LiveExport, export_scene, film_exposure
+from .export.late_sky import LateSkies
 from .export.same import same
 from .preferences import share_cache_dir
 from .settings import viewport_settings
@@ -41,6 +42,8 @@ class Viewport:
         self._engine = weakref.ref(engine)
         self._cache, self._live = ExportCache(), LiveExport()
         self._cache.live = self._live.meshes
+        self._skies = LateSkies(_redrawing(self._engine))
+        self._cache.texels.skies = self._skies
         self._scene: Scene | None = None
         self._settings: RenderSettings | None = None
         self._camera: Camera | None = None
@@ -57,7 +60,12 @@ class Viewport:
         _LIVING.add(self)
 
     def __del__(self):
+        self.close()
+
+    def close(self) -> None:
+        """End what runs beside Blender's own thread."""
         self.thread.close()
+        self._skies.close()
 
     def update(self, context, depsgraph) -> None:
         """`view_update`: read what has changed; a click on an object changes nothing."""
@@ -89,6 +97,9 @@ class Viewport:
 
     def draw(self, context, depsgraph) -> None:
         """`view_draw`: draw the last picture; begin a new one where the view has changed."""
+        if self._scene is not None and self._skies.take():
+            self._live.forget_world()
+            self.update(context, depsgraph)
         if self._scene is not None:
             # An add-on's own properties change without an update of the graph, even its copies.
             original, scene = depsgraph.scene, self._scene
@@ -114,11 +125,12 @@ class Viewport:
         picture = self.thread.picture
         if picture is None:
             return "IWIS | Loading; a machine's first render compiles for a minute"
+        sky = " | the Sky Texture is being rendered" if self._skies.waiting else ""
         if picture.converged:
-            return f"IWIS | Done | {_mean_samples(picture):.1f} samples a pixel"
+            return f"IWIS | Done | {_mean_samples(picture):.1f} samples a pixel{sky}"
         if picture.step > 1:
-            return f"IWIS | 1/{picture.step} of the pixels"
-        return f"IWIS | Rendering {picture.fraction:.0%}"
+            return f"IWIS | 1/{picture.step} of the pixels{sky}"
+        return f"IWIS | Rendering {picture.fraction:.0%}{sky}"
 
     @property
     def converged(self) -> bool:
@@ -202,9 +214,15 @@ _PLACEHOLDER = Camera(
 )
 
 
+def _close_all() -> None:
+    for viewport in living():
+        viewport.close()
+    view_thread.close_all()
+
+
 @persistent
 def _on_load_pre(_path=None, _depsgraph=None):
-    view_thread.close_all()
+    _close_all()
 
 
 @persistent
@@ -225,4 +243,4 @@ def register() -> None:
 def unregister() -> None:
     for name, handler in reversed(_HANDLERS):
         getattr(bpy.app.handlers, name).remove(handler)
-    view_thread.close_all()
+    _close_all()

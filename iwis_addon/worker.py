@@ -13,7 +13,7 @@ import time
 
 from ..core.film import Progress, Tile, TileSink
 
-POLL_SECONDS = 0.02
+POLL_SECONDS = 0.01
 GRACE_SECONDS = 0.1  # for the core to hand over its last tiles after a cancel
 _DONE = object()
 

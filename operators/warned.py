@@ -6,6 +6,13 @@ from bpy.props import IntProperty
 from ..iwis_addon.notices import last_lines, last_notices, objects_named_in
 
 
+def _has_warnings(operator) -> bool:
+    if last_lines():
+        return True
+    operator.poll_message_set("Nothing to warn of in the last render and in the rendered views")
+    return False
+
+
 class IWIS_OT_select_warned(bpy.types.Operator):
     """Select the objects that a warning names"""
 
@@ -20,7 +27,7 @@ class IWIS_OT_select_warned(bpy.types.Operator):
         if context.mode != "OBJECT":
             cls.poll_message_set("Objects can be selected in Object Mode only")
             return False
-        return bool(last_lines())
+        return _has_warnings(cls)
 
     def execute(self, context):
         notices = last_notices()
@@ -56,7 +63,10 @@ class IWIS_OT_copy_warnings(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context):
-        return bool(last_lines())
+        if bpy.app.background:
+            cls.poll_message_set("There is no clipboard in background mode; see the log")
+            return False
+        return _has_warnings(cls)
 
     def execute(self, context):
         context.window_manager.clipboard = warnings_text()

@@ -16,6 +16,8 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
+
 from ...core.emitters import with_emitters
 from ...core.program import Shaders
 from ...core.scene import NO_MEASURED, Scene
@@ -104,9 +106,15 @@ def export_scene(
         measured=measured or NO_MEASURED,
         exposure=film_exposure(scene),
         occlusion_distance=0.0 if live is not None else _occlusion_distance(depsgraph),
+        object_to_world=None if live is None else _places(geometry),
     )
     _warn_of_linking(depsgraph, geometry, unlit, warnings)
     return dataclasses.replace(unlit, lamps=_lamps(geometry, unlit, warnings))
+
+
+def _places(geometry: MeshExport) -> np.ndarray:
+    places = [instance.object_to_world for instance in geometry.inventory.instances]
+    return np.array(places, np.float64).reshape(-1, 4, 4)
 
 
 def _lamps(geometry: MeshExport, scene: Scene, warnings: list[str]):

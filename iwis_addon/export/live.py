@@ -32,6 +32,10 @@ class LiveExport:
         """Read everything at the next export: after undo, or where another file was loaded."""
         self._all_anew = True
 
+    def forget_world(self) -> None:
+        """Read the world at the next export: it has got what it was waiting for."""
+        self._kept.pop("world", None)
+
     def begin(self, updates) -> None:
         """Before an export. updates: of the dependency graph since the last one."""
         geometry, shading = set(), self._all_anew

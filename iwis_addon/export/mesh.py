@@ -17,6 +17,7 @@ from .triangle_normals import usable_vertices
 
 # Metres from the origin where float32 has steps of a centimetre: small triangles lose their area.
 _FAR = 1e5
+_FEW = 256  # instances that may always be moved one by one: no slower than all anew
 
 
 class MeshExport(NamedTuple):
@@ -88,12 +89,15 @@ class ExportCache:
         self.mesh, self.kept, self.placed = merged
 
     def moved(self, key, inventory: Inventory) -> _Merged | None:
-        """What the last frame had, but for the matrices of less than half of its instances."""
+        """What the last frame had, but for the matrices of a few, or of less than half, of its
+        instances."""
         before = self.key
         if self.placed is None or len(before) != len(key):
             return None
         rows = [row for row, new in enumerate(key) if new != before[row]]
-        if 2 * len(rows) > len(key) or any(key[r].but_place != before[r].but_place for r in rows):
+        if len(rows) > max(_FEW, len(key) // 2):
+            return None
+        if any(key[r].but_place != before[r].but_place for r in rows):
             return None
         placed = move_instances(self.placed, inventory, rows)
         return None if placed is None else _Merged(placed.mesh, None, placed)

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -27,6 +28,17 @@ _LAST: dict[str, np.ndarray] = {}  # the sky of the frame before, and of this on
 
 class SkyError(RuntimeError):
     """There is no picture of the sky. The text says why."""
+
+
+class Skies:
+    """How the world's skies are read: each is waited for. late_sky.py has another way."""
+
+    def begin(self) -> None:
+        """Before a world is read."""
+
+    def read(self, node) -> np.ndarray | None:
+        """As read_sky; None where it is not there yet, and no other stands for it."""
+        return read_sky(node)
 
 
 def sky_settings(node) -> dict:
@@ -46,20 +58,103 @@ def read_sky(node, height: int = HEIGHT) -> np.ndarray:
 
     The very same array while the settings stay. Raises SkyError where it cannot be rendered.
     """
-    from ...core.table_cache import load_arrays, table_folder, table_key  # numba may be missing
+    wanted = SkyWanted.of(node, height)
+    sky = kept_sky(wanted)
+    if sky is None:
+        sky = render_sky(wanted, Launch.here())
+        remember(wanted, sky)
+    return sky
 
-    settings = json.dumps(sky_settings(node), sort_keys=True)
-    key = table_key("sky", settings, height, bpy.app.version[:2])
-    if key not in _LAST:
-        folder = table_folder("")
-        found = load_arrays(folder, key, ["sky"])
-        sky = found[0] if found else _rendered(settings, height)
+
+class SkyWanted(NamedTuple):
+    """The picture of a sky; key: its name in the cache; settings: sky_settings, as JSON"""
+
+    key: str
+    settings: str
+    height: int
+
+    @classmethod
+    def of(cls, node, height: int = HEIGHT) -> SkyWanted:
+        """Of a Sky Texture as it is now."""
+        from ...core.table_cache import table_key  # numba may be missing
+
+        settings = json.dumps(sky_settings(node), sort_keys=True)
+        return cls(table_key("sky", settings, height, bpy.app.version[:2]), settings, height)
+
+
+def kept_sky(wanted: SkyWanted) -> np.ndarray | None:
+    """A sky that was rendered before, from memory or disk."""
+    from ...core.table_cache import load_arrays, table_folder
+
+    if wanted.key not in _LAST:
+        found = load_arrays(table_folder(""), wanted.key, ["sky"])
         if not found:
-            _keep(folder, key, sky)
-        while len(_LAST) > 1:
-            _LAST.pop(next(iter(_LAST)))
-        _LAST[key] = np.ascontiguousarray(sky, np.float32)
-    return _LAST[key]
+            return None
+        remember(wanted, np.ascontiguousarray(found[0], np.float32))
+    return _LAST[wanted.key]
+
+
+def remember(wanted: SkyWanted, sky: np.ndarray) -> None:
+    """Have kept_sky find it."""
+    while len(_LAST) > 1:
+        _LAST.pop(next(iter(_LAST)))
+    _LAST[wanted.key] = sky
+
+
+class Launch(NamedTuple):
+    """How sky_process.py is started: words before its own, and the environment."""
+
+    command: list[str]
+    environment: dict[str, str]
+
+    @classmethod
+    def here(cls) -> Launch:
+        """By the Blender that runs."""
+        environment = dict(os.environ)
+        if bpy.app.binary_path:
+            options = ["--background", "--factory-startup", "--python-exit-code", "1", "--python"]
+            return cls([bpy.app.binary_path, *options, str(_SCRIPT), "--"], environment)
+        own = bpy.utils.resource_path("LOCAL")  # there "bpy" is another one
+        places = [place for place in sys.path if place and not place.startswith(own)]
+        environment["PYTHONPATH"] = os.pathsep.join(places)
+        return cls([sys.executable, str(_SCRIPT)], environment)
+
+
+def render_sky(wanted: SkyWanted, launch: Launch, started=lambda child: None) -> np.ndarray:
+    """As read_sky, and kept on disk; asks nothing of Blender's own, so any thread may call it.
+
+    started(child) is told of the process that renders it.
+    """
+    from ...core.table_cache import table_folder
+
+    with tempfile.TemporaryDirectory(prefix="iwis-") as folder:
+        path = os.path.join(folder, "sky.npy")
+        command = [*launch.command, wanted.settings, str(wanted.height), path]
+        _run(command, launch.environment, started, path)
+        sky = np.ascontiguousarray(np.load(path), np.float32)
+    _keep(table_folder(""), wanted.key, sky)
+    return sky
+
+
+def _run(command, environment, started, path) -> None:
+    output = subprocess.PIPE
+    try:
+        with subprocess.Popen(
+            command, env=environment, stdout=output, stderr=output, text=True, errors="replace"
+        ) as child:
+            started(child)
+            try:
+                out, err = child.communicate(timeout=_SECONDS)
+            except subprocess.TimeoutExpired:
+                child.kill()
+                raise
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise SkyError(f"Blender could not be started to render it: {error}") from None
+    if child.returncode or not os.path.exists(path):
+        lines = (err.strip() or out.strip()).splitlines()
+        errors = [line for line in lines if "Error" in line]
+        said = (errors or lines or [f"Blender answered {child.returncode}"])[-1]
+        raise SkyError(said)
 
 
 def _keep(folder: Path, key: str, sky) -> None:
@@ -75,41 +170,3 @@ def _keep(folder: Path, key: str, sky) -> None:
             path.unlink(missing_ok=True)
     except OSError as error:
         log.warning("cache folder %s: %s", folder, error)
-
-
-def _rendered(settings: str, height: int) -> np.ndarray:
-    with tempfile.TemporaryDirectory(prefix="iwis-") as folder:
-        path = os.path.join(folder, "sky.npy")
-        environment = dict(os.environ)
-        if bpy.app.binary_path:
-            command = [
-                bpy.app.binary_path,
-                "--background",
-                "--factory-startup",
-                "--python-exit-code",
-            ]
-            command += ["1", "--python", str(_SCRIPT), "--"]
-        else:  # the bpy module
-            command = [sys.executable, str(_SCRIPT)]
-            own = bpy.utils.resource_path("LOCAL")  # there "bpy" is another one
-            places = [place for place in sys.path if place and not place.startswith(own)]
-            environment["PYTHONPATH"] = os.pathsep.join(places)
-        command += [settings, str(height), path]
-        try:
-            child = subprocess.run(
-                command,
-                env=environment,
-                capture_output=True,
-                text=True,
-                errors="replace",
-                timeout=_SECONDS,
-                check=False,
-            )
-        except (OSError, subprocess.TimeoutExpired) as error:
-            raise SkyError(f"Blender could not be started to render it: {error}") from None
-        if child.returncode or not os.path.exists(path):
-            lines = (child.stderr.strip() or child.stdout.strip()).splitlines()
-            errors = [line for line in lines if "Error" in line]
-            said = (errors or lines or [f"Blender answered {child.returncode}"])[-1]
-            raise SkyError(said)
-        return np.load(path)

@@ -14,12 +14,14 @@ import bpy
 
 from .image import Texels, read_texels, working_space
 from .same import same
+from .sky import Skies
 
 
 class TexelCache:
-    """Images by what they depend on, and what was made of them."""
+    """Images by what they depend on, and what was made of them; skies: how those are read."""
 
     def __init__(self):
+        self.skies = Skies()
         self._last: dict[tuple, Texels] = {}
         self._now: dict[tuple, Texels] = {}
         self._loaded_from: dict[int, tuple] = {}  # session_uid -> file as it was then

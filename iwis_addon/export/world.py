@@ -73,6 +73,7 @@ def read_world(
     """
     cache = cache or TexelCache()
     cache.start_frame()
+    cache.skies.begin()
     world = world_of(depsgraph_or_scene)
     if world is None:
         warnings.append(NO_WORLD)

@@ -15,7 +15,7 @@ from ...core.scene import (
 )
 from .image import ImageError
 from .radiance import mend_radiance
-from .sky import SkyError, read_sky
+from .sky import SkyError
 from .world_mapping import NotAMatrix, lookup_matrix, own_matrix
 
 _MISSING = np.float32([1.0, 0.0, 1.0])  # Cycles' colour of an image that is not there
@@ -34,15 +34,17 @@ _IN_PARTS = {
 
 
 def _sky(builder, node, groups):
+    mean = _SKY_MEAN.get(node.sky_type, (1.0, 1.0, 1.0))
     try:
-        sky = read_sky(node)
+        sky = builder.cache.skies.read(node)
     except SkyError as error:
-        mean = _SKY_MEAN.get(node.sky_type, (1.0, 1.0, 1.0))
         builder.reader.warn(
             node,
             f"the sky cannot be rendered ({error}): one colour, {tuple(mean)}; for the sky itself, "
             "use Convert World to HDRI in the world's properties",
         )
+        sky = None
+    if sky is None:
         return {node.outputs[0].identifier: np.float32(mean)}
     if "Vector" in node.inputs:
         matrix, inputs = _lookup(builder, node, groups)

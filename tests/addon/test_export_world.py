@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export import sky, world_textures
+from iwis.iwis_addon.export import sky
 from iwis.iwis_addon.export.sky import SkyError
 from iwis.iwis_addon.world_bake import bake_world
 from support.world_render import (
@@ -131,7 +131,7 @@ def test_unsupported_colour_is_never_black_without_a_word(tree, kind, monkeypatc
     def fails(*_):
         raise SkyError("no process")
 
-    monkeypatch.setattr(world_textures, "read_sky", fails)
+    monkeypatch.setattr(sky, "read_sky", fails)
     node, background = add(tree, kind), add(tree, "Background")
     output = next(s for s in node.outputs if s.type == "RGBA")
     tree.links.new(output, background.inputs["Color"])
@@ -172,7 +172,7 @@ def test_a_sky_lights_as_the_panorama_of_its_world(tree, scene, tmp_path, monkey
         light = [(picture * weight).sum((0, 1)) for picture in (own, baked)]
         np.testing.assert_allclose(*light, rtol=0.01, atol=0.003 * light[1].max())
     sky._LAST.clear()
-    monkeypatch.setattr(sky, "_rendered", None)
+    monkeypatch.setattr(sky, "render_sky", None)
     np.testing.assert_array_equal(sky.read_sky(node, height), own)
 
 

@@ -1,5 +1,7 @@
 """A window's export reads what has changed, nothing else, and is what an export from scratch is."""
 
+import dataclasses
+
 import bpy
 import numpy as np
 import pytest
@@ -119,8 +121,25 @@ def test_a_change_is_exported_as_from_scratch(window, change):
     scene, _, lines = window.export(change)
     expected_lines = []
     expected = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=expected_lines)
-    assert same(scene, expected)
+    assert len(scene.object_to_world) == len(scene.object_pass_index)  # told to windows alone
+    assert same(dataclasses.replace(scene, object_to_world=None), expected)
     assert lines == expected_lines
+
+
+def test_a_move_keeps_the_table_and_tells_the_place(window):
+    """By which rays find moved objects in the hierarchy that is there."""
+    before, *_ = window.export(click)
+    after, *_ = window.export(move)
+    assert after.mesh.triangles is before.mesh.triangles
+    moved = np.flatnonzero((before.object_to_world != after.object_to_world).any(axis=(1, 2)))
+    assert len(moved) == 1
+    row = moved[0]
+    shift = after.object_to_world[row] - before.object_to_world[row]
+    np.testing.assert_allclose(shift[:3, 3], [0.5, 0.0, 0.0], atol=1e-6)
+    own = np.unique(after.mesh.triangles[after.mesh.object_index == row])
+    way = after.mesh.vertices - before.mesh.vertices
+    np.testing.assert_allclose(way[own], np.tile([0.5, 0.0, 0.0], (len(own), 1)), atol=1e-6)
+    assert not np.delete(way, own, axis=0).any()
 
 
 @pytest.mark.parametrize("change", [move, brighten, click])

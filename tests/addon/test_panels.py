@@ -27,6 +27,7 @@ NEEDED = (
     "DATA_PT_spot",
     "DATA_PT_lens",
     "DATA_PT_camera",
+    "DATA_PT_preview",
     "RENDER_PT_format",
     "RENDER_PT_output",
     "RENDER_PT_frame_range",
@@ -299,6 +300,11 @@ def test_warnings_are_copied_with_their_counts_and_select_objects(cube_scene):
     assert bpy.ops.iwis.select_warned(number=1) == {"CANCELLED"}
     with pytest.raises(RuntimeError, match="no such warning"):
         bpy.ops.iwis.select_warned(number=7)
+    with pytest.raises(RuntimeError, match="no clipboard in background"):
+        bpy.ops.iwis.copy_warnings()
+    RenderJob.current = None
+    with pytest.raises(RuntimeError, match="Nothing to warn of"):
+        bpy.ops.iwis.select_warned(number=0)
 
 
 def test_overlay_is_chosen_for_iwis_only(scene):

@@ -1,4 +1,4 @@
-"""Install the extension's zip in a real Blender program, render with it, read the layers back.
+"""Install the extension's zip in a real Blender, render with it, read layers, call operators.
 
     python tests/real_blender/check_render.py [--blender PROGRAM] [--zip FILE] [FILE.blend]
 
@@ -8,7 +8,7 @@ real.py says what it needs.
 from pathlib import Path
 
 import numpy as np
-from real import ROOT, check, install, installed, parse
+from real import HERE, ROOT, check, install, installed, parse
 
 from iwis.core.exr import read_exr_layers
 
@@ -34,6 +34,16 @@ def check_layers(path: Path) -> None:
     check(visibility.min() >= 0 and visibility.max() <= 1, "visibility is within 0 ... 1")
 
 
+def check_operators(blender, folder: Path) -> None:
+    """Every operator from a script in background mode, and what each says that cannot run."""
+    arguments = ["-b", ROOT / "sample_blends" / "statue.blend", "--python-exit-code", "4"]
+    script = HERE / "operators_in_background.py"
+    text = blender.run(*arguments, "--python", script, "--", folder)
+    lines = [line for line in text.splitlines() if line.startswith("IWIS-TEST")]
+    print(*lines, sep="\n")
+    check(lines[-1].endswith("END") and "Traceback" not in text, "all operators in background")
+
+
 def main() -> None:
     sample = ROOT / "sample_blends/statue.blend"
     options = parse(__doc__, (["blend"], {"nargs": "?", "type": Path, "default": sample}))
@@ -45,6 +55,7 @@ def main() -> None:
         check_layers(folder / "out_0001.exr")
         blender.run(*arguments, "--python-expr", NO_CAMERA, "-f", "2", expected_code=1)
         check(not (folder / "out_0002.exr").exists(), "without a camera: exit code 1 and no file")
+        check_operators(blender, folder)
         install(blender, package)
         check("IWIS" in blender.engines(), "installed over itself, as an upgrade is")
         blender.run("--command", "extension", "remove", "iwis")

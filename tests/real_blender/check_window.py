@@ -1,13 +1,15 @@
 """The extension in the window of a real Blender: random edits while the rendered view renders.
 
     python tests/real_blender/check_window.py
-        [--quick | --measure | --shots FOLDER | --render FOLDER] [--seed N]
+        [--quick | --life | --rules | --measure | --shots FOLDER | --render FOLDER] [--seed N]
 
-First previews, Escape in a render and the render after it (render_in_window.py; alone with
---render). Then a hundred and more edits, undo, redo, engine switches, file loads and window
-resizes, each a step of edit_in_window.py; --quick does fewer of them. --measure prints latencies of
-the rendered view (measure_in_window.py), --shots takes the pictures of docs/ (shots_in_window.py)
-instead. real.py says what it needs; as root on Debian it is all there.
+First the extension's life, from installing its zip to its removal (life_in_window.py; alone with
+--life). Then previews, Escape in a render and the render after it (render_in_window.py; alone with
+--render). Then rules of what begins the picture anew (restarts.py; alone with --rules), and a
+hundred and more edits, undo, redo, engine switches, file loads and window resizes, each a step of
+edit_in_window.py; --quick does fewer of them. --measure prints latencies of the rendered view
+(measure_in_window.py), --shots takes the pictures of docs/ (shots_in_window.py) instead. real.py
+says what it needs; as root on Debian it is all there.
 """
 
 import sys
@@ -15,7 +17,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from real import HERE, ROOT, check, installed, parse
+from real import HERE, ROOT, Blender, check, installed, parse
 from window import Window
 
 EDITS, QUICK_EDITS = 200, 50
@@ -70,6 +72,19 @@ def run_script(blender, folder: Path, script: str, arguments: list, words: list,
     check("Traceback" not in text, "no traceback in Blender's log")
 
 
+def live(blender, folder: Path, package: Path) -> None:
+    """An extension's life in a Blender that has never seen it."""
+    fresh = Blender(blender.program, folder / "fresh")
+    fresh.environment.update(_shared_kernels(folder))
+    sample = ROOT / "sample_blends" / "statue.blend"
+    run_script(fresh, folder, "life_in_window.py", [sample], [folder, package.resolve()])
+
+
+def _shared_kernels(folder: Path) -> dict[str, str]:
+    """Compiled once for all windows of a run."""
+    return {"IWIS_CACHE_DIR": str(folder / "cache")}
+
+
 def main() -> None:
     options = parse(
         __doc__,
@@ -77,10 +92,13 @@ def main() -> None:
         (["--measure"], {"action": "store_true", "help": "measure latencies instead"}),
         (["--render"], {"type": Path, "help": "only previews and renders; pictures go here"}),
         (["--shots"], {"type": Path, "help": "write the screenshots of the docs here instead"}),
+        (["--rules"], {"action": "store_true", "help": "no random edits, and none but restarts"}),
+        (["--life"], {"action": "store_true", "help": "only installing, disabling, removing"}),
         (["--seed"], {"type": int, "default": 1, "help": "other edits"}),
     )
     samples = ROOT / "sample_blends"
-    with installed(options) as (blender, folder, _):
+    with installed(options) as (blender, folder, package):
+        blender.environment.update(_shared_kernels(folder))
         if options.measure:
             run_script(blender, folder, "measure_in_window.py", [], [folder])
             return
@@ -88,6 +106,14 @@ def main() -> None:
             options.shots.mkdir(parents=True, exist_ok=True)
             words = [options.shots.resolve()]
             run_script(blender, folder, "shots_in_window.py", [samples / "statue.blend"], words)
+            return
+        if not options.rules and not options.render:
+            live(blender, folder, package)
+        if options.life:
+            return
+        if options.rules:
+            words = [options.seed, 0, folder, samples / "turntable.blend"]
+            run_script(blender, folder, "edit_in_window.py", [samples / "statue.blend"], words)
             return
         pictures = options.render or folder / "renders"
         pictures.mkdir(parents=True, exist_ok=True)

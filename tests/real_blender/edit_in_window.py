@@ -13,6 +13,7 @@ import bpy
 import edits
 import inside
 from edits import EDITS, OFTEN, RANDOM, SELDOM, START, override, scene
+from restarts import check_restarts, check_sky
 
 
 def back_to_iwis():
@@ -20,40 +21,6 @@ def back_to_iwis():
     if scene().render.engine != "IWIS":
         scene().render.engine = "IWIS"
     inside.view_area().spaces.active.shading.type = "RENDERED"
-
-
-def check_restarts():
-    """What begins the picture anew, and what does not."""
-    inside.show_rendered()
-    yield from inside.until(inside.converged, 900.0, "the first picture")
-    quiet = [
-        ("a click on an object", edits.select_object),
-        ("a redraw", inside.view_area().tag_redraw),
-    ]
-    changes = [
-        ("moving an object", edits.move_object),
-        ("a material", edits.change_material),
-        ("the strength of the world", edits.change_world),
-        ("a setting", edits.change_settings),
-        ("the view", edits.orbit),
-        ("the film", edits.change_film),
-        ("undo", edits.undo),
-    ]
-    with override():
-        bpy.ops.ed.undo_push(message="start")
-    for wanted, some in ((False, quiet), (True, changes)):
-        for name, edit in some:
-            before = inside.viewport().restarts
-            edit()
-            if edit is not edits.undo:
-                with override():
-                    bpy.ops.ed.undo_push(message=name)
-            yield 0.4
-            restarted = inside.viewport().restarts > before
-            if restarted != wanted:
-                raise AssertionError(f"{name}: restarted {restarted}, expected {wanted}")
-            yield from inside.until(inside.converged, 120.0, f"the picture after {name}")
-        inside.say("OK", ", ".join(name for name, _ in some), "restart" if wanted else "do not")
 
 
 def edit_at_random():
@@ -99,6 +66,9 @@ def check_the_end():
 
 def main():
     yield from check_restarts()
+    yield from check_sky()
+    bpy.ops.wm.open_mainfile(filepath=START, load_ui=False)
+    yield 1.0
     yield from edit_at_random()
     yield from check_the_end()
     inside.say("END")

@@ -81,6 +81,25 @@ def orbit(seconds: float, name: str):
     )
 
 
+def drag(thing, steps: int, name: str):
+    """Move an object again as soon as its last place was seen: what each picture takes."""
+    viewport, times, parts = inside.viewport(), [], []
+    for step in range(steps):
+        seen, at = viewport.thread.version, time.perf_counter()
+        thing.location.y = 0.02 * step
+        while viewport.thread.version == seen and time.perf_counter() - at < 5.0:
+            yield 0.0
+        times.append(time.perf_counter() - at)
+        parts.append(viewport.export_seconds + viewport.thread.first_seconds)
+    inside.say(
+        f"drag {name}: {steps} moves, median {np.median(times):.3f} s drawn in software; IWIS' "
+        f"part: median {np.median(parts):.3f} s, longest {max(parts):.3f} s"
+    )
+    at = time.perf_counter()
+    yield from inside.until(inside.converged, 300.0, f"the end of dragging {name}")
+    inside.say(f"converged {time.perf_counter() - at:.2f} s after it")
+
+
 def draw_seconds() -> float:
     """What Blender takes to draw its window once, whoever renders."""
     started = time.perf_counter()
@@ -124,6 +143,8 @@ def main():
     yield from inside.until(inside.converged, 300.0, "rest")
     yield from until_seen(lambda: setattr(cube.location, "x", 0.5), "move the cube among them")
     yield from until_seen(lambda: setattr(hills.location, "z", 0.1), "move the triangles")
+    yield from drag(cube, 25, "the cube among them")
+    yield from drag(hills, 25, "the triangles")
     yield from until_seen(
         lambda: setattr(shader.inputs["Roughness"], "default_value", 0.6), "a material among them"
     )

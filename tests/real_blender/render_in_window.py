@@ -40,8 +40,15 @@ def material(name: str, **inputs):
     return made
 
 
+def lamp(kind: str):
+    made = bpy.data.lights.new(kind.title(), kind)
+    made.color = 1.0, 0.6, 0.3
+    made.use_fake_user = True
+    return made
+
+
 def preview(data, engine: str):
-    """Blender's preview of a material or world, float32 (h, w, 4), and the seconds it took."""
+    """Blender's preview of a material, world or light, float32 (h, w, 4), and its seconds."""
     inside.window_scene().render.engine = engine
     started = time.perf_counter()
     data.asset_generate_preview()
@@ -66,13 +73,14 @@ def save(pixels, path: Path) -> None:
 
 
 def previews():
-    """Of materials and of the scene's world: as bright as Cycles', and nothing told to the user."""
+    """Of materials, a world and lights: as bright as Cycles', and nothing told to the user."""
     world = inside.window_scene().world
     shown = [
         material("Clay", Base_Color=(0.8, 0.1, 0.05, 1.0), Roughness=0.8),
         material("Gold", Base_Color=(1.0, 0.7, 0.3, 1.0), Metallic=1.0, Roughness=0.3),
         material("Lit", Emission_Color=(0.2, 0.5, 1.0, 1.0), Emission_Strength=1.0),
         world,
+        *map(lamp, ("POINT", "SPOT", "AREA")),
     ]
     job = module("job").RenderJob
     before = job.current
