@@ -167,6 +167,9 @@ class _MeshReader:
         size = np.where(size != 0.0, size, 1.0)
         return self._of_points(((values - location) / (2.0 * size) + 0.5).astype(np.float32))
 
+    def _element(self, _):
+        return None  # of points and strands alone
+
     def _tangent(self, name):
         mesh = self._mesh
         layers = mesh.uv_layers
