@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...core.nodes.hashing import hash_words
+from .local_mesh import LocalMesh
 
 # Types of attributes: name of the value, its width, dtype.
 READ = {
@@ -55,20 +56,16 @@ def random_of_rows(n: int) -> np.ndarray:
     return (words / np.float64(0xFFFFFFFF)).astype(np.float32)[:, None]
 
 
-def box_coordinates(positions: np.ndarray, box: np.ndarray) -> np.ndarray:
-    """Generated coordinates: places in a box. box: (2, 3), its lowest and highest corner"""
-    size = box[1] - box[0]
-    size = np.where(size != 0.0, size, 2.0)  # as Blender: a flat box is two wide
-    return ((positions - box.mean(0)) / size + 0.5).astype(np.float32)
-
-
 class ElementReader(NamedTuple):
     """Values at the corners of a part's triangles. source: with ``rows(name)``"""
 
     source: object
-    corners: np.ndarray
+    local: LocalMesh
 
     def read(self, name: str) -> np.ndarray | None:
         """float32 (m, 3, width), or None where there is nothing of this name."""
         values = self.source.rows(name)
-        return None if values is None else np.take(values, self.corners, axis=0, mode="clip")
+        if values is not None:
+            return np.take(values, self.local.corners, axis=0, mode="clip")
+        # As in Cycles, what has no generated coordinates has those of its object.
+        return self.local.positions[self.local.triangles] if name == "generated" else None

@@ -7,7 +7,6 @@ import numpy as np
 from .element_values import (
     attribute_of,
     attribute_values,
-    box_coordinates,
     read_values,
 )
 from .strand_tubes import Strands
@@ -25,10 +24,6 @@ class CurveValues:
     def __call__(self, name: str):
         """As StrandSource's own."""
         kind, _, rest = name.partition(":")
-        if kind == "generated":
-            places = self._strands.keys[:, :3]
-            box = np.array([places.min(0), places.max(0)])
-            return box_coordinates(places[self._strands.first[:-1]], box), False
         if kind == "uv":
             return self._read(rest or _ROOT_UV, "FLOAT2")
         return self._read(rest) if kind in ("attribute", "color") and rest else None

@@ -9,7 +9,6 @@ import numpy as np
 from .element_values import (
     attribute_of,
     attribute_values,
-    box_coordinates,
     random_of_rows,
     read_values,
 )
@@ -31,9 +30,6 @@ class PointSource:
         kind, _, rest = name.partition(":")
         if kind == "element":
             return self._element(rest)
-        if kind == "generated":
-            positions = _positions(self._data)
-            return box_coordinates(positions, np.array([positions.min(0), positions.max(0)]))
         if kind in ("attribute", "color", "uv") and rest:
             attribute = attribute_of(self._data, rest, "FLOAT2" if kind == "uv" else None)
             return None if attribute is None else attribute_values(attribute)

@@ -14,9 +14,11 @@ import numpy as np
 
 # Triangles of all tubes of an object together, as far as that is possible with four sides.
 _WANTED = 1 << 20
-_SIDES = (16, 12, 8, 6, 4)
+_SIDES = (32, 24, 16, 12, 8, 6, 4)
+# So many strands that they have more than this go straight from key to key.
+_MOST = 8_000_000
 # A chord may leave the spline by this part of the radius, but for the worst of 20.
-_STRAY, _SHARE = 0.1, 95.0
+_STRAY, _SHARE = 0.02, 95.0
 _MOST_PIECES = 16
 _GOLDEN = 0.618034
 
@@ -86,7 +88,8 @@ def choose_shape(strands: Strands, most_pieces: int, straight: bool) -> Shape:
         radius = np.maximum(b[:, 3], c[:, 3])
         far = np.divide(stray, radius, out=np.zeros_like(stray), where=radius > 0.0)
         worst = min(float(np.percentile(far, _SHARE)) / _STRAY, 1e6)
-        pieces = int(min(np.ceil(np.sqrt(max(worst, 1.0))), most_pieces, _MOST_PIECES))
+        room = max(_MOST // (2 * _SIDES[-1] * strands.segments), 1)
+        pieces = int(min(np.ceil(np.sqrt(max(worst, 1.0))), most_pieces, _MOST_PIECES, room))
     bands = max(strands.segments * pieces, 1)
     sides = next((k for k in _SIDES if 2 * k * bands <= _WANTED), _SIDES[-1])
     return Shape(sides, pieces, straight)
@@ -111,7 +114,7 @@ def find_rings(strands: Strands, shape: Shape) -> Rings:
     return Rings(strand, key, part.astype(np.float32), last)
 
 
-def _along(strands: Strands, rings: Rings, straight: bool):
+def along(strands: Strands, rings: Rings, straight: bool):
     """Places and radii of rings, float32 (r, 4), and unit tangents, float32 (r, 3)."""
     a, b, c, d = _neighbours(strands, rings.key, rings.strand)
     u = rings.part[:, None]
@@ -121,6 +124,7 @@ def _along(strands: Strands, rings: Rings, straight: bool):
         slope, bend, twist = c - a, 2.0 * a - 5.0 * b + 4.0 * c - d, 3.0 * (b - c) + d - a
         values = b + 0.5 * u * (slope + u * (bend + u * twist))
         tangents = 0.5 * (slope + u * (2.0 * bend + 3.0 * u * twist))
+    values[rings.last] = c[rings.last]  # exactly, so that a tip without radius has none
     values[:, 3] = np.maximum(values[:, 3], 0.0)
     tangents = _unit(tangents[:, :3], (c - b)[:, :3])
     return values, tangents
@@ -170,7 +174,7 @@ def _frames(rings: Rings, tangents):
 
 def make_tubes(strands: Strands, shape: Shape, rings: Rings) -> Tubes:
     """Triangles of all strands; none where a ring has no radius."""
-    values, tangents = _along(strands, rings, shape.straight)
+    values, tangents = along(strands, rings, shape.straight)
     across = _frames(rings, tangents)
     k, r = shape.sides, len(values)
     angles = np.arange(k, dtype=np.float32) * np.float32(2.0 * np.pi / k)

@@ -18,11 +18,14 @@ from .strand_tubes import (
     Rings,
     Shape,
     Strands,
+    along,
     choose_shape,
     count_triangles,
     find_rings,
     make_tubes,
 )
+
+_ROUND_PIECES = 16  # where Cycles' curves are round ones, without pieces
 
 
 class StrandSettings(NamedTuple):
@@ -37,8 +40,9 @@ def strand_settings(scene) -> StrandSettings:
     settings = getattr(scene, "cycles_curves", None)
     if settings is None:
         return StrandSettings(4, False)
-    straight = settings.shape == "THICK_LINEAR"
-    return StrandSettings(2 ** min(settings.subdivisions, 8), straight)
+    if settings.shape == "RIBBONS":
+        return StrandSettings(2 ** min(settings.subdivisions, 8), False)
+    return StrandSettings(_ROUND_PIECES, settings.shape == "THICK_LINEAR")
 
 
 class StrandSource:
@@ -58,6 +62,8 @@ class StrandSource:
     def rows(self, name: str) -> np.ndarray | None:
         """float32 (r, width) of a name of element_values.py; None where there is none."""
         kind, _, rest = name.partition(":")
+        if name == "element:Tangent":
+            return along(self._strands, self._rings, self._shape.straight)[1]
         found = self._element(rest) if kind == "element" else self._own(name)
         if found is None:
             return None
@@ -78,9 +84,9 @@ class StrandSource:
         if name == "Random":
             return random_of_rows(len(first) - 1), False
         if name in ("Intercept", "Length"):
-            along, lengths = self._lengths()
-            return (along, True) if name == "Intercept" else (lengths, False)
-        return (self._tangents(), True) if name == "Tangent" else None
+            places, lengths = self._lengths()
+            return (places, True) if name == "Intercept" else (lengths, False)
+        return None
 
     def _strand_of_key(self):
         return np.repeat(np.arange(len(self._strands.first) - 1), np.diff(self._strands.first))
@@ -93,18 +99,11 @@ class StrandSource:
         steps[1:] = np.linalg.norm(np.diff(keys[:, :3], axis=0), axis=1)
         steps[begins[begins < len(keys)]] = 0.0
         total = np.bincount(strand, steps, len(begins))
-        along = np.cumsum(steps)
-        along -= along[np.minimum(begins, len(keys) - 1)][strand]
+        places = np.cumsum(steps)
+        places -= places[np.minimum(begins, len(keys) - 1)][strand]
         size = total[strand]
-        along = np.divide(along, size, out=np.zeros_like(along), where=size > 0.0)
-        return along.astype(np.float32)[:, None], total.astype(np.float32)[:, None]
-
-    def _tangents(self):
-        keys, first = self._strands
-        strand, row = self._strand_of_key(), np.arange(len(keys))
-        before = np.maximum(row - 1, first[strand])
-        after = np.minimum(row + 1, first[strand + 1] - 1)
-        return keys[after, :3] - keys[before, :3]
+        places = np.divide(places, size, out=np.zeros_like(places), where=size > 0.0)
+        return places.astype(np.float32)[:, None], total.astype(np.float32)[:, None]
 
 
 class StrandPart(NamedTuple):

@@ -77,7 +77,7 @@ def _tables(inventory, of_part, names):
         first[part] = row
         row += len(inventory.parts[part].triangles)
         source, local = inventory.sources[part], inventory.parts[part]
-        reader = (ElementReader if local.round else _MeshReader)(source, local.corners)
+        reader = ElementReader(source, local) if local.round else _MeshReader(source, local.corners)
         parts.append({name: reader.read(name) for name in wanted})
     tables = {}
     for name in names:

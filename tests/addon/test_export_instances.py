@@ -88,16 +88,6 @@ def test_particles_show_their_object(above, tmp_path, emitter):
     assert len(exported.geometry.object_pass_index) == 12 + 1 + emitter
 
 
-def test_hair_particles_are_named(above):
-    """Strands have no triangles: the emitter is rendered, and a line says what is missing."""
-    plane = add_mesh(above, name="Lawn")
-    plane.modifiers.new("Hair", "PARTICLE_SYSTEM")
-    plane.particle_systems[0].settings.type = "HAIR"
-    exported = export_as_render(above)
-    assert exported.warnings == ["Not rendered, particle hair is not supported: Lawn"]
-    assert len(exported.mesh.triangles) == 4
-
-
 def add_nodes(obj, build):
     """A geometry nodes modifier; build(nodes, link, input, output) fills its tree."""
     tree = bpy.data.node_groups.new("Nodes", "GeometryNodeTree")
@@ -250,7 +240,7 @@ def test_hidden_objects_are_left_out(above, tmp_path):
 
 
 def test_what_is_not_rendered_is_named(above):
-    """Lights, hair curves, point clouds, volumes, Grease Pencil."""
+    """Volumes; curves without a point are nothing at all."""
     bpy.ops.object.light_add(type="SUN")
     bpy.ops.object.light_add(type="POINT")
     for kind, data in (
@@ -259,7 +249,6 @@ def test_what_is_not_rendered_is_named(above):
     ):
         above.collection.objects.link(bpy.data.objects.new(kind, data))
     assert sorted(export_as_render(above).warnings) == [
-        "Not rendered, hair curves are not supported: Curves",
         "Not rendered, volumes are not supported: Cloud",
     ]
 

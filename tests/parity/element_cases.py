@@ -136,11 +136,10 @@ def bent_strands(count, keys, spread=(2.2, 1.2), height=1.6, seed=5):
     return (roots + t * up + 2.0 * t**2 * lean).astype(np.float32)
 
 
-def _curves(name, material, count=24, keys=5, size=(0.12, 0.03), lit=True, shape=None, **place):
+def _curves(name, material, count=24, keys=5, size=(0.12, 0.03), lit=True, shape="THICK", **place):
     def build(scene, tree):
         material(tree)
-        if shape:
-            scene.cycles_curves.shape = shape
+        scene.cycles_curves.shape = shape
         places = bent_strands(count, keys)
         radii = np.broadcast_to(np.linspace(*size, keys), (count, keys))
         add_curves(_without_solids(scene), places, radii, **place)
@@ -161,6 +160,7 @@ def add_particle_hair(obj, count, children="NONE", **settings):
 def _hair(name, material, count=300, lit=True, children="NONE", **settings):
     def build(scene, tree):
         material(tree)
+        scene.cycles_curves.shape = "THICK"
         add_particle_hair(bpy.data.objects["Sphere"], count, children, **settings)
 
     _case(f"Particle hair, {name}", build, lit)
@@ -176,10 +176,11 @@ _points("Point Info Radius", _info("ShaderNodePointInfo", "Radius", 4.0), lit=Fa
 _points("Point Info Random", _info("ShaderNodePointInfo", "Random"), lit=False)
 _points("Generated", lambda tree: tree.glow(tree.coordinates("Generated")), lit=False)
 _curves("diffuse, radius varies", _matte)
-_curves("diffuse, 3D", _matte, shape="THICK")
+_curves("diffuse, radius varies, ribbons", _matte, shape="RIBBONS")
 _curves("diffuse, linear 3D", _matte, shape="THICK_LINEAR")
 _curves("metal", _metal)
 _curves("plastic, many thin", _plastic, count=2000, keys=8, size=(0.012, 0.003))
+_curves("matte, many thin ribbons", _matte, 2000, 8, size=(0.012, 0.003), shape="RIBBONS")
 _curves("scaled and turned", _matte, scale=(1.0, 0.7, 0.8), rotation_euler=(0.1, 0.2, 0.4))
 _curves("colour attribute", _attribute("tint"), lit=False)
 _curves("UV of the root", _root_uv, lit=False)
