@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Triangles of all tubes of an object together, as far as that is possible with four sides.
-_WANTED = 1 << 20
+# Triangles of all tubes of an object together, as far as that is possible: with pieces between keys
+# only where there is room for that with eight sides, straight from key to key with four.
+_WANTED = 1 << 21
 _SIDES = (32, 24, 16, 12, 8, 6, 4)
-# So many strands that they have more than this go straight from key to key.
-_MOST = 8_000_000
+_SIDES_OF_PIECES = 8
 # A chord may leave the spline by this part of the radius, but for the worst of 20.
 _STRAY, _SHARE = 0.02, 95.0
 _MOST_PIECES = 16
@@ -88,7 +88,7 @@ def choose_shape(strands: Strands, most_pieces: int, straight: bool) -> Shape:
         radius = np.maximum(b[:, 3], c[:, 3])
         far = np.divide(stray, radius, out=np.zeros_like(stray), where=radius > 0.0)
         worst = min(float(np.percentile(far, _SHARE)) / _STRAY, 1e6)
-        room = max(_MOST // (2 * _SIDES[-1] * strands.segments), 1)
+        room = max(_WANTED // (2 * _SIDES_OF_PIECES * strands.segments), 1)
         pieces = int(min(np.ceil(np.sqrt(max(worst, 1.0))), most_pieces, _MOST_PIECES, room))
     bands = max(strands.segments * pieces, 1)
     sides = next((k for k in _SIDES if 2 * k * bands <= _WANTED), _SIDES[-1])

@@ -1,0 +1,3 @@
+"""Why whole scenes differ that do, by name: what was found out."""
+
+WHY: dict[str, str] = {}
