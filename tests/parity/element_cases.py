@@ -194,4 +194,10 @@ _hair("strand shape, closed tip", _matte, radius_scale=0.05, shape=0.5, use_clos
 _hair(
     "UV of the root", lambda tree: tree.glow(tree.coordinates("UV")), lit=False, radius_scale=0.03
 )
-_hair("Intercept", _info("ShaderNodeHairInfo", "Intercept"), lit=False, radius_scale=0.03)
+_hair(
+    "Intercept",
+    _info("ShaderNodeHairInfo", "Intercept"),
+    lit=False,
+    radius_scale=0.05,
+    tip_radius=1.0,
+)

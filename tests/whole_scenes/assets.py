@@ -10,6 +10,8 @@ from parity.scene import Tree
 
 from .stage import Whole, add_hair, add_surface, stage
 
+_PROFILE = "Set Hair Curve Profile"
+
 
 def _folder(*parts) -> Path:
     return Path(bpy.utils.system_resource("DATAFILES"), *parts)
@@ -61,11 +63,15 @@ def _suitable(path: Path, name: str, material):
 
 
 def _set_inputs(modifier, group, other, material):
+    values = {"NodeSocketObject": other, "NodeSocketMaterial": material}
     for item in _sockets(group, "INPUT"):
-        if item.socket_type == "NodeSocketObject" and other is not None:
-            modifier[item.identifier] = other
-        elif item.socket_type == "NodeSocketMaterial":
-            modifier[item.identifier] = material
+        value = values.get(item.socket_type)
+        if value is None:
+            continue
+        if hasattr(modifier, "properties"):  # since Blender 5
+            getattr(modifier.properties.inputs, item.identifier).value = value
+        else:
+            modifier[item.identifier] = value
 
 
 def _geometry(path: Path, name: str):
@@ -77,6 +83,8 @@ def _geometry(path: Path, name: str):
             modifier = obj.modifiers.new(name, "NODES")
             modifier.node_group = group
             _set_inputs(modifier, group, other, material)
+            if name == "Generate Hair Curves":  # strands as thick as a meter without
+                obj.modifiers.new("Profile", "NODES").node_group = _load(path, _PROFILE)
             obj.update_tag()
             return ""
 

@@ -52,9 +52,9 @@ def measure(whole: Whole, folder: Path) -> Measured:
         what = f"Blender: {' '.join(str(error).split())}"
         return Measured(whole.group, whole.name, "missing", remark=what)
     _make_small(bpy.context.scene)
-    theirs = _render(_use_cycles, folder)
     try:
         ours = _render(_use_iwis, folder)
+        theirs = _render(_use_cycles, folder)
     except RuntimeError as error:
         return Measured(whole.group, whole.name, "failed", remark=" ".join(str(error).split()))
     lines = tuple(dict.fromkeys(addon("iwis_addon.job").RenderJob.get().records[-1].stats.warnings))

@@ -1,3 +1,12 @@
 """Why whole scenes differ that do, by name: what was found out."""
 
-WHY: dict[str, str] = {}
+_RIBBONS = "strands: Cycles' flat ribbons face the ray (decision 0027)"
+_TWICE = (
+    "it hands on the surface: two spheres in the same place, half of each in the other's shadow"
+)
+
+WHY: dict[str, str] = {
+    "procedural_hair_node_assets: Attachment Info": _TWICE,
+    "procedural_hair_node_assets: Generate Hair Curves": _RIBBONS,
+    "object.curves_random_add": _RIBBONS,
+}
