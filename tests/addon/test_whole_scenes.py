@@ -9,13 +9,11 @@ from whole_scenes.measure import compared, measure
 
 _CHOSEN = (
     "General (factory startup)",
-    "VFX",
-    "surface.primitive_nurbs_surface_torus_add",
     "object.metaball_add BALL",
-    "object.empty_add IMAGE",
-    "object.effector_add WIND",
     "object.pointcloud_random_add",
+    "object.quick_smoke",
 )
+_SAMPLES = 64  # noise of Cycles in a block: 2 %, of the limit of 3
 
 
 @pytest.mark.slow
@@ -23,20 +21,20 @@ _CHOSEN = (
 def test_scene_is_the_same_as_in_cycles(scene, name, tmp_path):
     """Means within 1 %, blocks within 3 % of Cycles': measure.py says why."""
     whole = next(w for w in templates.scenes() + operators.scenes() if w.name == name)
-    result = measure(whole, tmp_path)
+    result = measure(whole, tmp_path, _SAMPLES)
     if result.state == "missing":
         assert "is not in this Blender" in result.remark or bpy.app.version < (5, 0)
         return
     assert result.state == "same", result[:7]
-    assert result.lines == ()
+    assert len(result.lines) == ("smoke" in name)  # its volume is left out
 
 
 @pytest.mark.slow
 def test_hair_asset_is_rendered(scene, tmp_path):
     """One of Blender's hair node groups, on a hair object of its own."""
-    found, values = assets.scenes()
-    assert len(found) > 20 and "Curve Tip" in values
-    result = measure(next(w for w in found if "Frizz Hair Curves" in w.name), tmp_path)
+    path = next(path for path in assets.files() if "hair_node" in path.name)
+    assert assets.scene_of(path, "Curve Tip") is None
+    result = measure(assets.scene_of(path, "Frizz Hair Curves"), tmp_path, _SAMPLES)
     assert result.state == "same" and result.lines == (), result[:7]
 
 
@@ -59,7 +57,7 @@ def test_failure_is_a_row_of_the_table(scene, tmp_path):
     def build():
         stage()[0].camera = None
 
-    result = measure(Whole("operator", "blind", build), tmp_path)
+    result = measure(Whole("operator", "blind", build), tmp_path, _SAMPLES)
     assert result.state == "failed"
     assert row(result, {"blind": "no camera"}).startswith(
         "| operator | blind | **failed** | | | no camera; "

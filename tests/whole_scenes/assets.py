@@ -17,7 +17,7 @@ def _folder(*parts) -> Path:
     return Path(bpy.utils.system_resource("DATAFILES"), *parts)
 
 
-def _files() -> list[Path]:
+def files() -> list[Path]:
     """Of all asset files but brushes, which make no scene."""
     return [p for p in sorted(_folder("assets").rglob("*.blend")) if "brushes" not in p.parts]
 
@@ -128,7 +128,7 @@ def _world(path: Path):
     return build
 
 
-def _of_group(path: Path, name: str) -> Whole | None:
+def scene_of(path: Path, name: str) -> Whole | None:
     group = _load(path, name)
     label = f"{path.stem}: {name}"
     if group.bl_idname == "ShaderNodeTree":
@@ -141,10 +141,10 @@ def _of_group(path: Path, name: str) -> Whole | None:
 def scenes() -> tuple[list[Whole], list[str]]:
     """(scenes, names of groups that make no geometry and shade nothing)"""
     found, values = [], []
-    for path in _files():
+    for path in files():
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         for name in _groups(path):
-            whole = _of_group(path, name)
+            whole = scene_of(path, name)
             values.append(name) if whole is None else found.append(whole)
     worlds = sorted(_folder("studiolights", "world").glob("*.exr"))
     return found + [Whole("world", path.name, _world(path)) for path in worlds], values

@@ -1,4 +1,4 @@
-"""Inside a Blender program with the extension: blender -b --python in_blender.py -- OUT.json WORDS"""
+"""Inside a Blender program: blender -b --python in_blender.py -- OUT.json WORDS"""
 
 import json
 import sys

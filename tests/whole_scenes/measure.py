@@ -40,7 +40,7 @@ def addon(part: str):
     return importlib.import_module(f"{name}.{part}")
 
 
-def measure(whole: Whole, folder: Path) -> Measured:
+def measure(whole: Whole, folder: Path, samples: int = SAMPLES) -> Measured:
     """Never raises but for what is wrong in this program: a failure is a result."""
     try:
         with python_warnings.catch_warnings():
@@ -53,8 +53,8 @@ def measure(whole: Whole, folder: Path) -> Measured:
         return Measured(whole.group, whole.name, "missing", remark=what)
     _make_small(bpy.context.scene)
     try:
-        ours = _render(_use_iwis, folder)
-        theirs = _render(_use_cycles, folder)
+        ours = _render(_use_iwis, folder, samples)
+        theirs = _render(_use_cycles, folder, samples)
     except RuntimeError as error:
         return Measured(whole.group, whole.name, "failed", remark=" ".join(str(error).split()))
     lines = tuple(dict.fromkeys(addon("iwis_addon.job").RenderJob.get().records[-1].stats.warnings))
@@ -93,21 +93,21 @@ def _make_small(scene) -> None:
     image.file_format, image.color_depth, image.color_mode = "OPEN_EXR", "32", "RGBA"
 
 
-def _use_cycles(scene) -> None:
+def _use_cycles(scene, samples) -> None:
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
-    cycles.samples, cycles.max_bounces = SAMPLES, 0
+    cycles.samples, cycles.max_bounces = samples, 0
     cycles.use_adaptive_sampling = cycles.use_denoising = False
 
 
-def _use_iwis(scene) -> None:
+def _use_iwis(scene, samples) -> None:
     scene.render.engine = "IWIS"
-    scene.iwis.max_samples, scene.iwis.stop_rule = SAMPLES, "FIXED"
+    scene.iwis.max_samples, scene.iwis.stop_rule = samples, "FIXED"
 
 
-def _render(use, folder: Path) -> np.ndarray:
+def _render(use, folder: Path, samples: int) -> np.ndarray:
     scene = bpy.context.scene
-    use(scene)
+    use(scene, samples)
     path = folder / "picture.exr"
     path.unlink(missing_ok=True)
     scene.render.filepath = str(path)

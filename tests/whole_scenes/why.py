@@ -9,4 +9,6 @@ WHY: dict[str, str] = {
     "procedural_hair_node_assets: Attachment Info": _TWICE,
     "procedural_hair_node_assets: Generate Hair Curves": _RIBBONS,
     "object.curves_random_add": _RIBBONS,
+    "object.quick_smoke": "its volume",
+    "object.quick_liquid": "Cycles' glass is black without bounces",
 }
