@@ -24,6 +24,7 @@ WHY = {
     "Curves, Curves Info Intercept": _FINE,
     "Curves, Curves Info Random": _FINE,
     "Curves, Curves Info Tangent Normal": _FINE,
+    "Particle hair, diffuse": _FINE,
     "Particle hair, plastic, children": _FINE,
     "Particle hair, strand shape, closed tip": _FINE,
     "Particle hair, Intercept": _FINE,
