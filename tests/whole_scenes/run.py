@@ -39,6 +39,7 @@ def main(words) -> int:
         scenes, values = all_scenes()
         results = measure_all(scenes, words)
     finally:
+        bpy.ops.wm.read_homefile(use_empty=True)  # fluids left open crash at the end
         iwis.unregister()
     counts = collections.Counter(result.state for result in results)
     total = ", ".join(f"{n} {state}" for state, n in sorted(counts.items()))

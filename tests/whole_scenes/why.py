@@ -7,8 +7,6 @@ _TWICE = (
 
 WHY: dict[str, str] = {
     "procedural_hair_node_assets: Attachment Info": _TWICE,
-    "procedural_hair_node_assets: Generate Hair Curves": _RIBBONS,
     "object.curves_random_add": _RIBBONS,
-    "object.quick_smoke": "its volume",
-    "object.quick_liquid": "Cycles' glass is black without bounces",
+    "object.quick_liquid": "Cycles' glass is black without bounces, and the camera is in it",
 }
