@@ -2,7 +2,7 @@
 
 _RIBBONS = "strands: Cycles' flat ribbons face the ray (decision 0027)"
 _TWICE = (
-    "it hands on the surface: two spheres in the same place, half of each in the other's shadow"
+    "likely: it hands on the surface itself, and two spheres in one place shade each other"
 )
 
 WHY: dict[str, str] = {
