@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene
-from iwis.iwis_addon.export import local_mesh as local_mesh_module
+from iwis.iwis_addon.export import parts as parts_module
 from iwis.iwis_addon.export.same import same
 from support.above import add_monkey
 
@@ -16,13 +16,13 @@ class Window:
     def __init__(self, monkeypatch):
         self.live, self.cache, self.read = LiveExport(), ExportCache(), []
         self.cache.live = self.live.meshes
-        original = local_mesh_module.read_mesh
+        original = parts_module.read_mesh
 
         def read_mesh(mesh, *rest):
             self.read.append(mesh.name)
             return original(mesh, *rest)
 
-        monkeypatch.setattr(local_mesh_module, "read_mesh", read_mesh)
+        monkeypatch.setattr(parts_module, "read_mesh", read_mesh)
 
     def export(self, change=lambda: None):
         """The scene after a change, and the names of the meshes that were read for it."""
