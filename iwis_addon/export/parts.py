@@ -21,7 +21,7 @@ class PartReader:
     def __init__(self, depsgraph, known, cancelled, live: LiveMeshes | None):
         self._known, self._cancelled, self._live = known, cancelled, live
         self._strand_settings = strand_settings(depsgraph.scene_eval)
-        self.in_window = live is not None
+        self.in_window = depsgraph.mode == "VIEWPORT"
 
     def read(self, obj, owner, modifier=None) -> tuple[LocalMesh | None, object, list]:
         """The part, None if it has no face; its source: what surface_data.py reads (a bpy mesh,
