@@ -4,6 +4,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from parity.element_cases import add_nodes
 
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
 from iwis.iwis_addon.export import ExportCancelled
@@ -86,16 +87,6 @@ def test_particles_show_their_object(above, tmp_path, emitter):
     above.frame_set(2)
     exported = assert_seen_as_in_cycles(above, tmp_path)
     assert len(exported.geometry.object_pass_index) == 12 + 1 + emitter
-
-
-def add_nodes(obj, build):
-    """A geometry nodes modifier; build(nodes, link, input, output) fills its tree."""
-    tree = bpy.data.node_groups.new("Nodes", "GeometryNodeTree")
-    for direction in ("INPUT", "OUTPUT"):
-        tree.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
-    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
-    build(tree.nodes, tree.links.new, start.outputs[0], end.inputs[0])
-    obj.modifiers.new("Nodes", "NODES").node_group = tree
 
 
 def scatter(nodes, link, geometry, out, material=None, realize=False):
