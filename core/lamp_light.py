@@ -25,6 +25,7 @@ from .lobes_at import lobes_at
 from .microfacet import MIN_ALPHA
 from .pixel_filter import LAMPS, point_of_pixel
 from .pyramid import luminance
+from .scene import ROUND
 from .shading import ShadingPoints
 
 # Columns of a point's light: (r, g, b) by the diffuse lobe, by the glossy one, and the luminance of
@@ -36,7 +37,7 @@ ALL_LAMPS, CHOSEN_LAMPS = 16, 8
 _NARROW = np.float32(0.3)
 _CAPACITY = 8192  # rays that are traced together
 _BSDF_SALT, _CHOICE_SALT, _LAMP_SALT = LAMPS, LAMPS + 3, LAMPS + 6
-_ZERO = np.float32(0.0)
+_ZERO, _ROUND = np.float32(0.0), np.float32(ROUND)
 
 
 class LampRays(NamedTuple):
@@ -198,7 +199,8 @@ def _by_lobe(at, points, p, lamps, shares, u, v, offset, rays, n, sums):
         far, factor, by_lamp, face = meet_lamp(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
         if factor > 0.0:
             weight = factor * _power_heuristic(pdf, by_lamp * shares[i]) / pdf
-            own = at, points, p, lamps, i, face, (dx, dy, dz), far, weight, False
+            lifted = points.lift_below[p] >= _ROUND
+            own = at, points, p, lamps, i, face, (dx, dy, dz), far, weight, lifted
             n = _write(*own, offset, rays, n, sums)
     return n
 

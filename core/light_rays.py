@@ -13,8 +13,9 @@ from .environment import EnvironmentLookup
 from .light_leaves import LightLeaves, light_leaves
 from .product import ProductCells, product_cells
 from .pyramid import LightPyramid, pdf_light
+from .scene import ROUND
 
-_ZERO, _ONE = np.float32(0.0), np.float32(1.0)
+_ZERO, _ONE, _ROUND = np.float32(0.0), np.float32(1.0), np.float32(ROUND)
 
 
 class Light(NamedTuple):
@@ -37,11 +38,14 @@ def is_lifted(at, points, light, p, wx, wy, wz, u):
 
     Cycles lifts the rays of its light samples and not those of its BSDF samples: of the light from
     a direction, the share that the power heuristic gives to light sampling comes over the patch.
+    Of what is round all does.
     """
     below, face = points.lift_below[p], points.geometric_normal
     above = face[p, 0] * wx + face[p, 1] * wy + face[p, 2] * wz
     if below <= _ZERO or above >= below + below:  # lift_share would be 0
         return False
+    if below >= _ROUND:
+        return True
     by_light = pdf_light(light.pyramid, np.float64(wx), np.float64(wy), np.float64(wz))
     by_bsdf = np.float64(pdf_at(at, wx, wy, wz))
     return u * (by_light * by_light + by_bsdf * by_bsdf) < by_light * by_light

@@ -44,6 +44,8 @@ DIFFUSE, PRINCIPLED, GLOSSY, BLACK, MEASURED = 0, 1, 2, 3, 4
 TRANSLUCENT = 5
 # Bits of Scene.object_flags
 CAMERA_RAYS, SHADOW_RAYS, HOLDOUT, SHADOW_CATCHER = 1, 2, 4, 8
+# Scene.terminator_offset of what is as round as its normals: all shadow rays start on that surface.
+ROUND = 1e6
 # MaterialParams.distribution
 GGX, MULTI_GGX, BECKMANN = 0, 1, 2
 
@@ -242,7 +244,8 @@ class Scene:
 
     material_pass_index, object_pass_index: float32 (n,), values of the index passes
     terminator_offset: float32 (n_objects,), Blender's shadow terminator geometry offset: shadow
-        rays of a smaller cosine start above coarse smooth faces; None = 0 for all
+        rays of a smaller cosine start above coarse smooth faces; ROUND: all of them; None = 0 for
+        all
     object_flags: uint8 (n_objects,), CAMERA_RAYS | SHADOW_RAYS: which rays see an object; HOLDOUT |
         SHADOW_CATCHER: what the camera sees of it; None = plain objects that all rays see
     shaders: materials that vary over the surface; None: materials says all

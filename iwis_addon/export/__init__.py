@@ -2,6 +2,8 @@
 
 errors                       what can stop an export
 local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
+parts, point_..., strand..., hair_curves, particle_hair, element_values
+                             points and strands: spheres and tubes, and what nodes ask of them
 camera, panorama, lamps,     the other parts of a Scene
 world
 motion, object_motion        camera and objects at other times, where the shutter is open

@@ -14,19 +14,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ...core.nodes.hashing import hash_words
-from ...core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
+from ...core.scene import CAMERA_RAYS, HOLDOUT, ROUND, SHADOW_CATCHER, SHADOW_RAYS
 from .errors import ExportCancelled
 from .lamps import read_lamp
-from .local_mesh import LiveMeshes, LocalMesh, read_mesh
+from .left_out import UNSUPPORTED_TYPES, LeftOut
+from .local_mesh import LiveMeshes, LocalMesh
+from .particle_hair import hair_modifiers
+from .parts import WITH_SURFACE, PartReader
 
 _WORD = 0xFFFFFFFF
-UNSUPPORTED_TYPES = {
-    "CURVES": "hair curves",
-    "POINTCLOUD": "point clouds",
-    "VOLUME": "volumes",
-    "GPENCIL": "Grease Pencil",
-    "GREASEPENCIL": "Grease Pencil",
-}
 
 
 class Instance(NamedTuple):
@@ -64,7 +60,7 @@ class Inventory(NamedTuple):
     """All instances, the meshes that they share and the materials that they name.
 
     materials: evaluated bpy materials, None where a slot is empty or an object has no slot
-    sources: the bpy mesh of each part while the graph lives, None if it was a copy
+    sources: of PartReader, one a part, while the graph lives
     looks: one an instance
     lamps: rows for core.lamps.make_lamps
     """
@@ -112,37 +108,20 @@ class _Item(NamedTuple):
     properties: dict
 
 
-class _Ignored:
-    """Names of what is not rendered, gathered so that each reason is one message."""
-
-    def __init__(self):
-        self._names: dict[str, dict[str, None]] = {}
-
-    def add(self, reason: str, name: str):
-        self._names.setdefault(reason, {})[name] = None
-
-    def messages(self, shown=5):
-        for reason, names in self._names.items():
-            first = ", ".join(list(names)[:shown])
-            more = f" and {len(names) - shown} more" if len(names) > shown else ""
-            yield f"{reason}: {first}{more}"
-
-
 class _Collector:
     """Turns depsgraph items into an Inventory while they are alive."""
 
     def __init__(self, depsgraph, known, cancelled, live):
         self._depsgraph = depsgraph
-        self._known = known
         self._cancelled = cancelled
-        self._live = live
+        self._reader = PartReader(depsgraph, known, cancelled, live)
         self._override = depsgraph.view_layer_eval.material_override
         self._material_rows: dict[int, int] = {}
-        self._parts: dict[tuple[int, int], tuple[int | None, list[int]]] = {}
-        self._items: dict[tuple[int, ...], _Item] = {}
+        self._parts: dict[tuple, tuple[int | None, list[int]]] = {}
+        self._items: dict[tuple, _Item] = {}
         self._named: list[int] = []  # rows whose random number comes from their name
         self.inventory = Inventory([], [], [], [], [], [])
-        self.ignored, self.lamp_warnings = _Ignored(), []
+        self.ignored, self.lamp_warnings = LeftOut(), []
 
     def _material_row(self, material) -> int:
         key = 0 if material is None else material.original.as_pointer()
@@ -166,72 +145,76 @@ class _Collector:
                 rows[i] = self._material_row(slot.material)
         return tuple(rows)
 
-    def _part(self, obj, owner):
-        """Row of the object's mesh (None if it has no face) and the materials of its data."""
+    def _part(self, obj, owner, modifier):
+        """Row of the object's part (None if it has no face) and the materials of its data."""
         data = obj.data
-        edited = data.is_editmode
         # In edit mode objects share a mesh in spite of their modifiers: they are part of the key.
-        key = (obj.original.as_pointer() if edited else 0, data.as_pointer())
+        own = modifier is not None or getattr(data, "is_editmode", False)
+        hair = "" if modifier is None else modifier.name
+        key = obj.original.as_pointer() if own else 0, data.as_pointer(), hair
         if key not in self._parts:
             if self._cancelled():
                 raise ExportCancelled
-            mesh = obj.to_mesh() if edited else data
+            local, source, materials = self._reader.read(obj, owner, modifier)
             row, rows = None, []
-            if self._live is None or edited:
-                local = read_mesh(mesh, self._known, self._cancelled)
-            else:
-                local = self._live.read(owner, obj, mesh, self._known, self._cancelled)
             if local is not None:
                 row = len(self.inventory.parts)
                 self.inventory.parts.append(local)
-                self.inventory.sources.append(None if edited else mesh)
+                self.inventory.sources.append(source)
                 if self._override is None:
-                    rows = list(map(self._material_row, mesh.materials))
+                    rows = list(map(self._material_row, materials))
             self._parts[key] = row, rows
-            if edited:
-                obj.to_mesh_clear()
         return self._parts[key]
 
-    def _item(self, obj, owner) -> _Item:
+    def _item(self, obj, owner, modifier) -> _Item:
         """Of hundreds of thousands of instances each property of Blender's is asked once."""
-        part, data_rows = self._part(obj, owner)
+        part, data_rows = self._part(obj, owner, modifier)
+        slots = () if part is None else self._slots(obj, data_rows)
+        if modifier is not None and slots:
+            chosen = modifier.particle_system.settings.material - 1
+            slots = (slots[min(max(chosen, 0), len(slots) - 1)],)
+        is_round = part is not None and self.inventory.parts[part].round
         return _Item(
             part,
             obj.name,
-            () if part is None else self._slots(obj, data_rows),
+            slots,
             obj.pass_index,
-            obj.shadow_terminator_geometry_offset,
+            ROUND if is_round else obj.shadow_terminator_geometry_offset,
             _flags_of(obj),
             tuple(obj.color),
             dict(obj.items()) if obj.keys() else {},
         )
 
-    def _add_mesh(self, obj, owner, object_to_world, random_id):
-        key = obj.original.as_pointer(), owner.original.as_pointer(), obj.data.as_pointer()
-        item = self._items.get(key)
-        if item is None:
+    def _add(self, item, obj, modifier=None):
+        """The part that an object shows, or the hair that a modifier grows on it."""
+        owner = item.parent if item.is_instance and item.parent else obj
+        hair = "" if modifier is None else modifier.name
+        things = obj.original, owner.original, obj.data
+        key = *(thing.as_pointer() for thing in things), hair
+        own = self._items.get(key)
+        if own is None:
             if not obj.visible_camera and not obj.visible_shadow:
                 return  # neither a camera ray nor a shadow ray, the only two kinds that there are
-            item = self._items[key] = self._item(obj, owner)
-        if item.part is None:
+            own = self._items[key] = self._item(obj, owner, modifier)
+        if own.part is None:
             return
-        matrix = np.array(object_to_world, np.float64)
+        matrix = np.array(item.matrix_world, np.float64)
         if not math.isfinite(matrix.sum()):
-            self.ignored.add("Not rendered, the object's transform is not finite", item.name)
+            self.ignored.add("Not rendered, the object's transform is not finite", own.name)
             return
-        if random_id is None:
+        if not item.is_instance:
             self._named.append(len(self.inventory.looks))
-        number = -1 if random_id is None else random_id & _WORD
-        self.inventory.looks.append(Look(item.color, max(number, 0) / _WORD, item.properties))
+        number = item.random_id & _WORD if item.is_instance else -1
+        self.inventory.looks.append(Look(own.color, max(number, 0) / _WORD, own.properties))
         self.inventory.instances.append(
             Instance(
-                item.name,
-                item.part,
+                own.name,
+                own.part,
                 matrix,
-                item.slots,
-                item.pass_index,
-                item.terminator_offset,
-                item.flags,
+                own.slots,
+                own.pass_index,
+                own.terminator_offset,
+                own.flags,
                 number,
             )
         )
@@ -247,18 +230,16 @@ class _Collector:
     def add(self, item):
         """Take one of depsgraph.object_instances."""
         obj = item.object
-        if item.show_particles and any(
-            system.settings.type == "HAIR" and system.settings.render_type == "PATH"
-            for system in obj.particle_systems
-        ):
-            self.ignored.add("Not rendered, particle hair is not supported", obj.name)
+        if item.show_particles and len(obj.particle_systems):
+            # Of an instance Blender's iterator has a copy, which does not outlive it.
+            emitter = item.instance_object if item.is_instance else obj
+            for modifier in hair_modifiers(emitter, self._reader.in_window):
+                self._add(item, emitter, modifier)
         if not item.show_self:
             return
         kind = obj.type
-        if kind == "MESH":
-            owner = item.parent if item.is_instance and item.parent else obj
-            random_id = item.random_id if item.is_instance else None
-            self._add_mesh(obj, owner, item.matrix_world, random_id)
+        if kind in WITH_SURFACE:
+            self._add(item, obj)
         elif kind == "LIGHT":
             lamp = read_lamp(obj, item.matrix_world, self.lamp_warnings)
             if lamp is not None:

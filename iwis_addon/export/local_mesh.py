@@ -24,8 +24,10 @@ class LocalMesh(NamedTuple):
     normal_index: int32 (m, 3), row of normals for each corner of each triangle; None as normals
     flat: bool (m,), triangles with their geometric normal all the same; None where none is
     slots: int32 (m,), material slot, never negative; None where all are 0
-    corners: int32 (m, 3), the mesh's face corners of each triangle
+    corners: int32 (m, 3), the mesh's face corners of each triangle; of what is round, the rows of
+        its source (element_values.py)
     digest: bytes that two meshes share only if all of the above is equal; empty if not asked for
+    round: whether the triangles stand for points or strands, which are as round as their normals
     """
 
     positions: np.ndarray
@@ -36,6 +38,7 @@ class LocalMesh(NamedTuple):
     slots: np.ndarray | None
     corners: np.ndarray
     digest: bytes
+    round: bool = False
 
 
 def session_uid(data) -> int:
@@ -51,8 +54,8 @@ class LiveMeshes:
     """
 
     def __init__(self):
-        self._last: dict[tuple[int, ...], LocalMesh | None] = {}
-        self._now: dict[tuple[int, ...], LocalMesh | None] = {}
+        self._last: dict[tuple, LocalMesh | None] = {}
+        self._now: dict[tuple, LocalMesh | None] = {}
 
     def begin(self, changed: set[int] | None) -> None:
         """A new export. changed: session_uid of what has new geometry; None: trust nothing."""
@@ -60,12 +63,13 @@ class LiveMeshes:
         self._last = {k: mesh for k, mesh in kept.items() if not changed & set(k[:3])}
         self._now = {}
 
-    def read(self, owner, obj, mesh, known, cancelled) -> LocalMesh | None:
-        """As read_mesh, of an object's evaluated mesh. owner: the object, or what instances it."""
-        key = *map(session_uid, (owner, obj, mesh)), mesh.as_pointer()
+    def read(self, owner, obj, data, make, *settings) -> LocalMesh | None:
+        """make(), or what it was, of an object's evaluated data. owner: the object, or what
+        instances it; settings: what else decides it"""
+        key = *map(session_uid, (owner, obj, data)), data.as_pointer(), settings
         if key not in self._now:
             local = self._last.get(key)
-            self._now[key] = read_mesh(mesh, known, cancelled) if local is None else local
+            self._now[key] = make() if local is None else local
         return self._now[key]
 
 

@@ -130,11 +130,14 @@ def _surface_of(material, users, warnings, images):
     for name in ("Volume", "Displacement"):
         if follow(output.inputs[name]).node is not None:
             reader.warn(output, f"{name} is not supported and left out")
-    if follow(output.inputs["Surface"]).node is None:
-        reader.warn(output, "nothing is linked to Surface: black, as in Cycles")
     builder = ProgramBuilder(reader, images)
     shaders = ShaderReader(builder)
     shaders.read(output.inputs["Surface"])
+    if follow(output.inputs["Surface"]).node is None:
+        if follow(output.inputs["Volume"]).node is not None:  # a volume's box is not there itself
+            shaders.parts.transparent.append(np.ones(3, np.float32))
+        else:
+            reader.warn(output, "nothing is linked to Surface: black, as in Cycles")
     return _finished(shaders.parts, builder, reader)
 
 

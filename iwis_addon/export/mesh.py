@@ -103,8 +103,12 @@ class ExportCache:
         return None if placed is None else _Merged(placed.mesh, None, placed)
 
 
-def _drop_triangles(mesh: TriangleMesh, keep, instances, warnings) -> TriangleMesh:
-    """Leave out triangles without area and tell which objects had how many."""
+def _drop_triangles(mesh: TriangleMesh, keep, inventory: Inventory, warnings) -> TriangleMesh:
+    """Leave out triangles without area and tell which objects had how many.
+
+    Of points and strands those without area are nobody's fault: not told.
+    """
+    parts, instances = inventory.parts, inventory.instances
     dropped = np.flatnonzero(~keep)
     if len(dropped) == 0:
         return mesh
@@ -115,7 +119,7 @@ def _drop_triangles(mesh: TriangleMesh, keep, instances, warnings) -> TriangleMe
     counts: dict[str, list[int]] = defaultdict(lambda: [0, 0])
     for kind, chosen in enumerate((dropped[~usable], dropped[usable])):
         for row, n in enumerate(np.bincount(mesh.object_index[chosen], minlength=len(instances))):
-            if n:
+            if n and not (kind and parts[instances[row].part].round):
                 counts[instances[row].name][kind] += int(n)
     for name, (broken, flat) in counts.items():
         warnings.append(
@@ -147,7 +151,7 @@ def _merge(inventory: Inventory, warnings, cancelled) -> _Merged:
     if usable.all():
         return _Merged(mesh, None, placed)
     kept = usable, mesh.object_index
-    return _Merged(_drop_triangles(mesh, usable, inventory.instances, warnings), kept, None)
+    return _Merged(_drop_triangles(mesh, usable, inventory, warnings), kept, None)
 
 
 def export_mesh(

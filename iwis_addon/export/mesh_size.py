@@ -8,24 +8,48 @@ message while there is still memory to say it.
 from __future__ import annotations
 
 from collections import defaultdict
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .errors import ExportError
 from .free_memory import free_memory_bytes
-from .instances import Inventory
+
+if TYPE_CHECKING:
+    from .instances import Inventory
 
 # The corners of all triangles, three each, are counted in int32.
 MOST_TRIANGLES = (1 << 31) // 3
 # Of TriangleMesh: corners, normals and two rows of a triangle, a vertex. Of the hierarchy: Embree
 # takes 94 (scattered boxes) to 100 bytes a triangle (one mesh) while it builds; 62 to 68 stay.
 _TRIANGLE_BYTES, _VERTEX_BYTES, _BVH_BYTES = 56, 12, 110
+# Of the spheres and tubes that stand for points and strands, in their object's own space, while
+# they are made; they have half as many vertices as triangles.
+_MADE_BYTES = 80
 _GIGABYTE = 1e9
 
 
 def needed_bytes(n_triangles: int, n_vertices: int) -> int:
     """The most memory that a mesh table and the building of its hierarchy take."""
     return (_TRIANGLE_BYTES + _BVH_BYTES) * n_triangles + _VERTEX_BYTES * n_vertices
+
+
+def check_made(name: str, what: str, n_triangles: int) -> None:
+    """Raises ExportError where points or strands would be too many triangles.
+
+    name: of the object; what: its elements, such as "1000 strands"
+    """
+    needed = needed_bytes(n_triangles, n_triangles // 2) + _MADE_BYTES * n_triangles
+    free = free_memory_bytes()
+    if n_triangles <= MOST_TRIANGLES and (free is None or needed <= free):
+        return
+    limit = f"the most is {MOST_TRIANGLES:,}"
+    if n_triangles <= MOST_TRIANGLES:
+        limit = f"they need {needed / _GIGABYTE:.1f} GB, of which {free / _GIGABYTE:.1f} are free"
+    raise ExportError(
+        f"Object {name}: its {what} are {n_triangles:,} triangles; {limit}. Reduce their number or "
+        "the points of each, or hide it from renders"
+    )
 
 
 def check_size(inventory: Inventory) -> None:

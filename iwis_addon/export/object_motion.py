@@ -14,11 +14,11 @@ from mathutils import Matrix
 
 from ...core.object_motion import ObjectMotion
 from .instances import Instance
+from .parts import WITH_SURFACE
 
 # Slices of the shutter's time; fewer where so many move that Embree's instances would take hundreds
 # of megabytes (1 kB each).
 _SLICES, _LEAST_SLICES, _MOST_PLACES = 64, 8, 1 << 18
-_WITH_SURFACE = {"MESH"}
 
 
 class Key(NamedTuple):
@@ -56,7 +56,7 @@ def read_steps(depsgraph) -> dict[Key, int]:
     """steps of Motions. Objects of the same name (of other files) are not told apart: left out."""
     found, twice = {}, set()
     for item in depsgraph.object_instances:
-        if not item.show_self or item.object.type not in _WITH_SURFACE:
+        if not item.show_self or item.object.type not in WITH_SURFACE:
             continue
         key = key_of(item)
         owners = {item.object, item.parent} if item.is_instance and item.parent else {item.object}
@@ -71,7 +71,7 @@ def read_places(depsgraph, wanted) -> dict[Key, np.ndarray]:
     """Where things are now. wanted: of Key"""
     found = {}
     for item in depsgraph.object_instances:
-        if item.show_self and item.object.type in _WITH_SURFACE:
+        if item.show_self and item.object.type in WITH_SURFACE:
             key = key_of(item)
             if key in wanted:
                 found[key] = np.array(item.matrix_world, np.float64)

@@ -23,6 +23,12 @@ _TYPES = {
     "RGBA": "COLOR",
 }
 _ZERO = np.float32(0.0)
+# Nodes that tell of strands and points -> output -> the values that it needs (element_values.py),
+# where that is not the one of its name.
+_ELEMENTS = {
+    "ShaderNodeHairInfo": {"Tangent Normal": ("Tangent",)},
+    "ShaderNodePointInfo": {"Position": ("Position", "Radius")},
+}
 # Outputs of the Geometry node, and what stands in for them.
 _NOT_KNOWN = {
     "Parametric": "other corners are counted than in Cycles",
@@ -174,6 +180,9 @@ class ProgramBuilder:
     def _request(self, node, output):
         if node.bl_idname == "ShaderNodeTexCoord" and output in ("Generated", "UV"):
             self.requests.add({"Generated": "generated", "UV": "uv:"}[output])
+        elif node.bl_idname in _ELEMENTS:
+            names = _ELEMENTS[node.bl_idname].get(output, (output,))
+            self.requests.update(f"element:{name}" for name in names)
         elif node.bl_idname == "ShaderNodeNewGeometry" and output == "Tangent":
             self.requests.add("generated")
         elif node.bl_idname == "ShaderNodeNewGeometry" and output in _NOT_KNOWN:

@@ -40,6 +40,8 @@ SETTINGS = {
     "ShaderNodeObjectInfo": (),
     "ShaderNodeCameraData": (),
     "ShaderNodeLightPath": (),
+    "ShaderNodeHairInfo": (),
+    "ShaderNodePointInfo": (),
     "ShaderNodeBump": ("invert",),
     "ShaderNodeFresnel": (),
     "ShaderNodeLayerWeight": (),

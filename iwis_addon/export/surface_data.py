@@ -6,6 +6,7 @@ many instances it has; each triangle of the scene knows its row.
     uv:NAME         a UV map; "uv:" is the active one     color:NAME   a colour attribute, likewise
     generated       Blender's generated coordinates       tangent:NAME a UV map's tangents, and sign
     attribute:NAME  any attribute                         object:NAME  a property of the object
+    element:NAME    of points and strands (element_values.py)
 """
 
 from __future__ import annotations
@@ -14,18 +15,9 @@ import numpy as np
 
 from ...core.program import SurfaceData
 from ...core.scene import TriangleMesh
+from .element_values import READ, ElementReader
+from .element_values import read_values as _get
 from .instances import Inventory
-
-_READ = {
-    "FLOAT": ("value", 1, np.float32),
-    "INT": ("value", 1, np.int32),
-    "INT8": ("value", 1, np.int32),
-    "BOOLEAN": ("value", 1, bool),
-    "FLOAT2": ("vector", 2, np.float32),
-    "FLOAT_VECTOR": ("vector", 3, np.float32),
-    "FLOAT_COLOR": ("color", 4, np.float32),
-    "BYTE_COLOR": ("color", 4, np.float32),
-}
 
 
 def surface_data(
@@ -84,7 +76,8 @@ def _tables(inventory, of_part, names):
     for part, wanted in of_part.items():
         first[part] = row
         row += len(inventory.parts[part].triangles)
-        reader = _MeshReader(inventory.sources[part], inventory.parts[part].corners)
+        source, local = inventory.sources[part], inventory.parts[part]
+        reader = ElementReader(source, local) if local.round else _MeshReader(source, local.corners)
         parts.append({name: reader.read(name) for name in wanted})
     tables = {}
     for name in names:
@@ -155,9 +148,9 @@ class _MeshReader:
 
     def _attribute(self, name):
         attribute = self._mesh.attributes.get(name)
-        if attribute is None or attribute.data_type not in _READ:
+        if attribute is None or attribute.data_type not in READ:
             return None
-        values = _get(attribute.data, *_READ[attribute.data_type]).astype(np.float32)
+        values = _get(attribute.data, *READ[attribute.data_type]).astype(np.float32)
         if attribute.domain == "POINT":
             return self._of_points(values)
         if attribute.domain == "CORNER":
@@ -173,6 +166,9 @@ class _MeshReader:
         size, location = np.array(mesh.texspace_size), np.array(mesh.texspace_location)
         size = np.where(size != 0.0, size, 1.0)
         return self._of_points(((values - location) / (2.0 * size) + 0.5).astype(np.float32))
+
+    def _element(self, _):
+        return None  # of points and strands alone
 
     def _tangent(self, name):
         mesh = self._mesh
@@ -206,9 +202,3 @@ class _MeshReader:
         along = np.divide(along, size, out=np.zeros_like(along), where=size > 0.0)
         value = np.concatenate([along, np.sign(determinant)[:, None]], -1).astype(np.float32)
         return np.repeat(value[:, None], 3, 1)
-
-
-def _get(collection, name, width, dtype):
-    values = np.empty(len(collection) * width, dtype)
-    collection.foreach_get(name, values)
-    return values.reshape(-1, width)

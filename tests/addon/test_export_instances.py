@@ -4,6 +4,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from parity.element_cases import add_nodes
 
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
 from iwis.iwis_addon.export import ExportCancelled
@@ -86,26 +87,6 @@ def test_particles_show_their_object(above, tmp_path, emitter):
     above.frame_set(2)
     exported = assert_seen_as_in_cycles(above, tmp_path)
     assert len(exported.geometry.object_pass_index) == 12 + 1 + emitter
-
-
-def test_hair_particles_are_named(above):
-    """Strands have no triangles: the emitter is rendered, and a line says what is missing."""
-    plane = add_mesh(above, name="Lawn")
-    plane.modifiers.new("Hair", "PARTICLE_SYSTEM")
-    plane.particle_systems[0].settings.type = "HAIR"
-    exported = export_as_render(above)
-    assert exported.warnings == ["Not rendered, particle hair is not supported: Lawn"]
-    assert len(exported.mesh.triangles) == 4
-
-
-def add_nodes(obj, build):
-    """A geometry nodes modifier; build(nodes, link, input, output) fills its tree."""
-    tree = bpy.data.node_groups.new("Nodes", "GeometryNodeTree")
-    for direction in ("INPUT", "OUTPUT"):
-        tree.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
-    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
-    build(tree.nodes, tree.links.new, start.outputs[0], end.inputs[0])
-    obj.modifiers.new("Nodes", "NODES").node_group = tree
 
 
 def scatter(nodes, link, geometry, out, material=None, realize=False):
@@ -250,7 +231,7 @@ def test_hidden_objects_are_left_out(above, tmp_path):
 
 
 def test_what_is_not_rendered_is_named(above):
-    """Lights, hair curves, point clouds, volumes, Grease Pencil."""
+    """Volumes; curves without a point are nothing at all."""
     bpy.ops.object.light_add(type="SUN")
     bpy.ops.object.light_add(type="POINT")
     for kind, data in (
@@ -259,7 +240,6 @@ def test_what_is_not_rendered_is_named(above):
     ):
         above.collection.objects.link(bpy.data.objects.new(kind, data))
     assert sorted(export_as_render(above).warnings) == [
-        "Not rendered, hair curves are not supported: Curves",
         "Not rendered, volumes are not supported: Cloud",
     ]
 

@@ -5,9 +5,10 @@ import dataclasses
 import bpy
 import numpy as np
 import pytest
+from parity.element_cases import add_curves, add_particle_hair, add_points, bent_strands
 
 from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene
-from iwis.iwis_addon.export import local_mesh as local_mesh_module
+from iwis.iwis_addon.export import parts as parts_module
 from iwis.iwis_addon.export.same import same
 from support.above import add_monkey
 
@@ -18,13 +19,13 @@ class Window:
     def __init__(self, monkeypatch):
         self.live, self.cache, self.read = LiveExport(), ExportCache(), []
         self.cache.live = self.live.meshes
-        original = local_mesh_module.read_mesh
+        original = parts_module.read_mesh
 
         def read_mesh(mesh, *rest):
             self.read.append(mesh.name)
             return original(mesh, *rest)
 
-        monkeypatch.setattr(local_mesh_module, "read_mesh", read_mesh)
+        monkeypatch.setattr(parts_module, "read_mesh", read_mesh)
 
     def export(self, change=lambda: None):
         """The scene after a change, and the names of the meshes that were read for it."""
@@ -203,3 +204,41 @@ def test_same_tells_differences():
     assert not same(one, {"a": [np.zeros(3, np.float32), (1, "x")]})
     assert not same(one, {"a": [np.zeros(3), (2, "x")]})
     assert not same(one, {"b": [np.zeros(3), (1, "x")]})
+
+
+def comb():
+    bpy.data.objects["Strands"].data.attributes["radius"].data[0].value = 0.4
+    bpy.data.objects["Strands"].data.update_tag()
+
+
+def thicken():
+    bpy.data.objects["Cube"].particle_systems[0].settings.radius_scale *= 2.0
+
+
+def grow():
+    bpy.data.objects["Points"].data.attributes["size"].data[0].value = 0.5
+    bpy.data.objects["Points"].data.update()
+
+
+def test_points_and_strands_are_read_when_they_change(window):
+    """Strands, points and the hair on a mesh: a click keeps all of them, a change of each is what
+    an export from scratch gives, with what materials ask of them."""
+    material = bpy.data.materials.new("By strand")
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
+    nodes, link = material.node_tree.nodes, material.node_tree.links.new
+    color = nodes["Principled BSDF"].inputs["Base Color"]
+    link(nodes.new("ShaderNodeHairInfo").outputs["Random"], color)
+
+    def add():
+        add_curves(material, bent_strands(20, 5), np.full((20, 5), 0.05))
+        add_points(material, np.zeros((2, 3), np.float32), np.float32([0.1, 0.2]))
+        add_particle_hair(bpy.data.objects["Cube"], 10)
+
+    before = window.export(add)[0]
+    assert same(window.export(click)[0], before)
+    for change in (comb, thicken, grow):
+        after = window.export(change)[0]
+        assert after.mesh is not before.mesh
+        assert same(after, export_scene(bpy.context.evaluated_depsgraph_get(), warnings=[]))
+        before = after

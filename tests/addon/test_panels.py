@@ -234,7 +234,7 @@ def test_notices_merge_what_is_the_same_of_many():
         "Object C: 12 triangles left out",
         "Object A: 3 triangles left out",
         'object "C", material "K", node "N": Anisotropy is not supported',
-        "Not rendered, hair curves are not supported: Curves",
+        "Not rendered, volumes are not supported: Cloud",
     ]
     notices = merge(lines)
     assert [(notice.count, len(notice.lines)) for notice in notices] == [(3, 2), (2, 2), (1, 1)]

@@ -14,6 +14,8 @@ _NOISY = (
     "Camera depth of field of glowing checks",
     "Mix, three closures",
     "World, ramp by height",
+    "Points, Principled, rough metal",
+    "Curves, metal",
 )
 _CHOSEN = [case for case in ALL_CASES if not case.noisy][::10]
 _CHOSEN += [case for case in ALL_CASES if case.name in _NOISY]

@@ -3,6 +3,7 @@
 from . import (
     closure_cases,
     coordinate_cases,
+    element_cases,
     image_cases,
     lamp_cases,
     lit_cases,
@@ -23,5 +24,6 @@ _FAMILIES = (
     lamp_cases,
     view_cases,
     world_cases,
+    element_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

@@ -14,6 +14,7 @@ class Case:
 
     by_lamps: it is lit by lamps, in the dark or under a world too
     blurred: several points a pixel, by the camera or by what is seen through
+    filter_width: pixels, of both engines' Blackman-Harris filter, of a blurred one
     samples: of a pixel, in IWIS and in Cycles, where there is noise
     warns: a part of the warning that IWIS must give; differs: why Cycles' picture is another one
     """
@@ -23,6 +24,7 @@ class Case:
     lit: bool = False
     by_lamps: bool = False
     blurred: bool = False
+    filter_width: float = 0.01
     samples: tuple[int, int] = (64, 128)
     with_alpha: bool = False
     warns: str = ""

@@ -56,7 +56,7 @@ def run_case(case: Case, folder: Path) -> Result:
 def _render_iwis(scene, seed, folder, case):
     scene.iwis.seed = seed
     scene.iwis.pixel_filter = "BLACKMAN_HARRIS" if case.blurred else "CENTER"
-    scene.iwis.filter_width = 0.01  # as Cycles' here: the middle of the pixel
+    scene.iwis.filter_width = case.filter_width  # 0.01: the middle of the pixel
     scene.iwis.max_samples = case.samples[0] if case.noisy else 1
     if case.blurred:
         scene.iwis.max_samples = BLURRED_PASSES * IWIS_BATCH
@@ -72,7 +72,7 @@ def _render_cycles(scene, seed, folder, case):
         samples = BLURRED_PASSES
     with python_warnings.catch_warnings():
         python_warnings.simplefilter("ignore")
-        return render_cycles(scene, folder, (), samples)["Combined"]
+        return render_cycles(scene, folder, (), samples, case.filter_width)["Combined"]
 
 
 def _noise_of_mean(renders) -> float:

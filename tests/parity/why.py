@@ -5,6 +5,9 @@ _RAYS = "Cycles follows BSDF rays through it as well, whose Light Path is anothe
 _MOVES = "noise where things move: a pass sees four slices of time (record 24); tones agree"
 _BUMP = "likely heights asked for a little elsewhere: pixels scatter, means of 4 x 4 agree to .5 %"
 _HORIZON = "one row of pixels, in which the sky triples within two texels of .18 degrees"
+_FINE = "highlights and strands finer than a pixel; tones agree"
+_RIBBONS = "Cycles' flat ribbons face the ray and end in a line: less of them is seen from above"
+_CONES = "Cycles' linear curves have round joints and ends"
 
 _STRAIGHT = "with direct light alone Cycles is black where a refracted ray ends in the body"
 
@@ -17,6 +20,19 @@ WHY = {
     "Glass": _STRAIGHT,
     "Glass, rough": _STRAIGHT,
     "Principled, transmission": _STRAIGHT,
+    "Points, plastic, many small": _FINE,
+    "Points, scaled and turned": "not known; on spheres that an uneven scale makes ellipsoids",
+    "Curves, diffuse, radius varies, ribbons": _RIBBONS,
+    "Curves, matte, many thin ribbons": _RIBBONS,
+    "Curves, diffuse, linear 3D": _CONES,
+    "Curves, plastic, many thin": _FINE,
+    "Curves, Curves Info Intercept": _FINE,
+    "Curves, Curves Info Random": _FINE,
+    "Curves, Curves Info Tangent Normal": _FINE,
+    "Particle hair, diffuse": _FINE,
+    "Particle hair, plastic, children": _FINE,
+    "Particle hair, strand shape, closed tip": _FINE,
+    "Particle hair, Intercept": _FINE,
     "Geometry Parametric": "IWIS has no barycentric coordinates for shaders",
     "Geometry Tangent": "at the poles of the sphere's own direction only",
     "Principled, roughness varies": _EDGES,

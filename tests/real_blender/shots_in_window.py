@@ -35,7 +35,7 @@ def final_render():
 
 def spoil(scene):
     """Objects that IWIS cannot show as they are."""
-    scene.collection.objects.link(bpy.data.objects.new("Hair", bpy.data.hair_curves.new("Hair")))
+    scene.collection.objects.link(bpy.data.objects.new("Smoke", bpy.data.volumes.new("Smoke")))
     for name in ("Cloth", "Silk"):
         mesh = bpy.data.meshes.new(name)
         mesh.from_pydata([(0, 0, -3), (1, 0, -3), (0, 1, -3)], [], [(0, 1, 2)])

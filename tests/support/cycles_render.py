@@ -17,21 +17,27 @@ def _channels(path):
     return channels
 
 
-def use_cycles(scene, samples=1):
+def use_cycles(scene, samples=1, filter_width=0.01):
     """Make Cycles shoot one ray through the centre of each pixel, without light."""
     scene.render.engine = "CYCLES"
     scene.cycles.samples = samples
     scene.cycles.use_adaptive_sampling = False
     scene.cycles.use_denoising = False
     scene.cycles.max_bounces = 0
-    scene.cycles.filter_width = 0.01
+    scene.cycles.filter_width = filter_width
     scene.render.threads_mode = "FIXED"
     scene.render.threads = 1
 
 
-def render_cycles(scene, tmp_path, passes=("position", "normal", "z", "object_index"), samples=1):
+def render_cycles(
+    scene,
+    tmp_path,
+    passes=("position", "normal", "z", "object_index"),
+    samples=1,
+    filter_width=0.01,
+):
     """Layers of the view layer: name -> float32 (h, w, channels), row 0 at the bottom."""
-    use_cycles(scene, samples)
+    use_cycles(scene, samples, filter_width)
     layer = scene.view_layers[0]
     for name in passes:
         setattr(layer, f"use_pass_{name}", True)

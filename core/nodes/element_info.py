@@ -1,0 +1,65 @@
+"""Nodes that tell of strands and points: Curves Info and Point Info. Elsewhere all is 0."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .values import column, dot, length, normalized
+
+_OF_ONE_AXIS = np.float32(3.0**-0.5)
+
+
+def _number(context, name):
+    value = context.attribute(f"element:{name}")
+    return np.zeros(len(context), np.float32) if value is None else value[:, 0]
+
+
+def _size(context, name):
+    """A size in the object's space, in the world's."""
+    size = column(_number(context, name) * _OF_ONE_AXIS)
+    return length(context.vector_to_world(np.repeat(size, 3, -1)))
+
+
+def _tangent_normal(context):
+    """Towards the viewer, at right angles to the strand."""
+    tangent = context.attribute("element:Tangent")
+    if tangent is None:
+        return np.zeros((len(context), 3), np.float32)
+    tangent = normalized(context.vector_to_world(tangent))
+    normal = normalized(context.wo - tangent * column(dot(tangent, context.wo)))
+    return np.where(tangent.any(axis=1)[:, None], normal, np.float32(0.0))
+
+
+def _point_position(context):
+    place = context.attribute("element:Position")
+    if place is None:
+        return np.zeros((len(context), 3), np.float32)
+    origin = context.surface.object_to_world[context.object][:, :3, 3].astype(np.float32)
+    there = column(_number(context, "Radius")) > 0.0
+    return np.where(there, context.vector_to_world(place) + origin, np.float32(0.0))
+
+
+def curves_info(context, settings, inputs):
+    """settings: outputs, those that are used"""
+    values = {
+        "Is Strand": lambda: _number(context, "Is Strand"),
+        "Intercept": lambda: _number(context, "Intercept"),
+        "Length": lambda: _number(context, "Length"),
+        "Thickness": lambda: _size(context, "Thickness"),
+        "Tangent Normal": lambda: _tangent_normal(context),
+        "Random": lambda: _number(context, "Random"),
+    }
+    return {name: values[name]() for name in settings["outputs"]}
+
+
+def point_info(context, settings, inputs):
+    """settings: outputs, those that are used"""
+    values = {
+        "Position": lambda: _point_position(context),
+        "Radius": lambda: _size(context, "Radius"),
+        "Random": lambda: _number(context, "Random"),
+    }
+    return {name: values[name]() for name in settings["outputs"]}
+
+
+FUNCTIONS = {"ShaderNodeHairInfo": curves_info, "ShaderNodePointInfo": point_info}

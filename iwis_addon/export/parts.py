@@ -1,0 +1,84 @@
+"""What an object shows, as a part of the scene: its mesh, points, curves, or the hair on it."""
+
+from __future__ import annotations
+
+from .hair_curves import CurveValues, curve_slots, curve_strands
+from .local_mesh import LiveMeshes, LocalMesh, read_mesh
+from .particle_hair import ParticleHair
+from .point_cloud import PointSource, read_point_cloud
+from .strands import StrandSource, make_part, strand_settings
+
+# Types of objects that are parts.
+WITH_SURFACE = ("MESH", "CURVES", "POINTCLOUD")
+
+
+class PartReader:
+    """Reads parts while the graph lives.
+
+    known: as for read_mesh; live: parts that need not be read, in a window
+    """
+
+    def __init__(self, depsgraph, known, cancelled, live: LiveMeshes | None):
+        self._known, self._cancelled, self._live = known, cancelled, live
+        self._strand_settings = strand_settings(depsgraph.scene_eval)
+        self.in_window = depsgraph.mode == "VIEWPORT"
+
+    def read(self, obj, owner, modifier=None) -> tuple[LocalMesh | None, object, list]:
+        """The part, None if it has no face; its source: what surface_data.py reads (a bpy mesh,
+        something with rows() of names, or None); the materials of its data.
+
+        owner: the object, or what instances it; modifier: a particle system's, for its hair
+        """
+        if obj.type == "MESH" and modifier is None and obj.data.is_editmode:
+            return self._edited(obj)
+        if modifier is not None:
+            local, source = self._hair(obj, owner, modifier)
+        elif obj.type == "CURVES":
+            local, source = self._curves(obj, owner)
+        elif obj.type == "POINTCLOUD":
+            local, source = self._points(obj, owner)
+        else:
+            local, source = self._mesh(obj, owner), obj.data
+        return local, source, list(obj.data.materials)
+
+    def _kept(self, owner, obj, make, *settings):
+        if self._live is None:
+            return make()
+        return self._live.read(owner, obj, obj.data, make, *settings)
+
+    def _edited(self, obj):
+        mesh = obj.to_mesh()
+        local = read_mesh(mesh, self._known, self._cancelled)
+        materials = list(mesh.materials)
+        obj.to_mesh_clear()
+        return local, None, materials
+
+    def _mesh(self, obj, owner):
+        return self._kept(owner, obj, lambda: read_mesh(obj.data, self._known, self._cancelled))
+
+    def _points(self, obj, owner):
+        local = self._kept(owner, obj, lambda: read_point_cloud(obj.name, obj.data, self._known))
+        return local, PointSource(obj.data)
+
+    def _curves(self, obj, owner):
+        data, settings = obj.data, self._strand_settings
+        strands = curve_strands(data)
+        part = self._kept(
+            owner,
+            obj,
+            lambda: make_part(obj.name, strands, settings, curve_slots(data), self._known),
+            settings,
+        )
+        return part.local, StrandSource(strands, part.shape, CurveValues(data, strands))
+
+    def _hair(self, obj, owner, modifier):
+        hair, settings = ParticleHair(obj, modifier, self.in_window), self._strand_settings
+        part = self._kept(
+            owner,
+            obj,
+            lambda: make_part(obj.name, hair.read(), settings, None, self._known),
+            settings,
+            hair.key(),
+        )
+        hair.take(part.strands)
+        return part.local, StrandSource(part.strands, part.shape, hair.values)

@@ -1,0 +1,1 @@
+"""Blender's own templates, assets and add operators as scenes, beside Cycles: make whole-scenes."""
