@@ -40,8 +40,7 @@ PANORAMAS = {
 
 # MaterialParams.model
 DIFFUSE, PRINCIPLED, GLOSSY, BLACK, MEASURED = 0, 1, 2, 3, 4
-# Closure.model alone: DIFFUSE on the side that is turned away from the viewer
-TRANSLUCENT = 5
+TRANSLUCENT = 5  # of Closure.model alone: DIFFUSE on the side away from the viewer
 # Bits of Scene.object_flags
 CAMERA_RAYS, SHADOW_RAYS, HOLDOUT, SHADOW_CATCHER = 1, 2, 4, 8
 # Scene.terminator_offset of what is as round as its normals: all shadow rays start on that surface.
@@ -244,8 +243,7 @@ class Scene:
 
     material_pass_index, object_pass_index: float32 (n,), values of the index passes
     terminator_offset: float32 (n_objects,), Blender's shadow terminator geometry offset: shadow
-        rays of a smaller cosine start above coarse smooth faces; ROUND: all of them; None = 0 for
-        all
+        rays of a smaller cosine start above coarse smooth faces; ROUND: all do; None = 0 for all
     object_flags: uint8 (n_objects,), CAMERA_RAYS | SHADOW_RAYS: which rays see an object; HOLDOUT |
         SHADOW_CATCHER: what the camera sees of it; None = plain objects that all rays see
     shaders: materials that vary over the surface; None: materials says all
