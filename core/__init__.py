@@ -6,13 +6,13 @@ In the order of the data; a module imports only from groups with a smaller numbe
     _jit, settings, program, lamps, object_motion    0  how kernels are kept; all defaults
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes,
-    pace, lamp_areas, lamp_meshes, prefetch
+    pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
-    glossy_normal, lamp_shapes, emitter_tree, rough_diffuse,
+    glossy_normal, lamp_shapes, emitter_tree, sheen,
     bump, stretched, lobes
-    lens, embree, lobes_at, pyramid, haar_product,      3  Embree; light; products
-    table_cache, sequence, stop_rule, tile_pool, poses
+    lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
+    table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, measured, lobe_setup, embree_instances

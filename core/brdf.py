@@ -79,7 +79,7 @@ def eval_at(at, wi_x, wi_y, wi_z):
         value = eval_lobes_at(at, wi_x, wi_y, wi_z)
         if at.narrow > ZERO:
             value = stretched(at, wi_x, wi_y, wi_z, value)
-        if at.rough[3] > ZERO:
+        if at.rough[3] != ZERO:
             value = roughened(at, wi_x, wi_y, wi_z, value)
     if at.bump == ZERO:
         return value

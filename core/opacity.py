@@ -26,7 +26,7 @@ MOST_CORNERS = 1 << 24
 # and about how many corners all triangles get together.
 _PROCEDURAL, _COARSEST, _CORNERS = 64, 4, 1 << 20
 _POINTS_AT_ONCE = 1 << 18
-_OF_RAYS = ("ShaderNodeFresnel", "ShaderNodeLayerWeight", "under_coat")
+_OF_RAYS = ("ShaderNodeFresnel", "ShaderNodeLayerWeight", "under_coat", "under_sheen")
 _RAY_OUTPUTS = {"Incoming", "Backfacing", "Ray Length", "Ray Depth", "Transparent Depth"}
 # Kinds that look at nothing but values at the corners; images do if their coordinates do.
 _COORDINATES = ("ShaderNodeTexCoord", "ShaderNodeNewGeometry", "ShaderNodeObjectInfo")

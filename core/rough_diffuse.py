@@ -16,6 +16,7 @@ import numpy as np
 
 from ._jit import kernel
 from .microfacet import INV_PI, ONE, PI, ZERO
+from .sheen import sheen
 
 _K = np.float32(math.pi / 2.0 - 2.0 / 3.0)
 _TWO_THIRDS = np.float32(2.0 / 3.0)
@@ -52,7 +53,9 @@ def set_rough(params, p, cos_o, out):
 
 @kernel(forceinline=True)
 def roughened(at, wi_x, wi_y, wi_z, value):
-    """eval_lobes_at's value with its Lambert lobe made rough: at.rough[3] is over 0."""
+    """eval_lobes_at's value with its Lambert lobe made rough, or sheen: at.rough[3] is not 0."""
+    if at.rough[3] < ZERO:
+        return sheen(at, wi_x, wi_y, wi_z, value)
     n, wo, b = at.normal, at.wo, at.rough[3]
     cos_i = min(max(n[0] * wi_x + n[1] * wi_y + n[2] * wi_z, ZERO), ONE)
     cos_o = max(n[0] * wo[0] + n[1] * wo[1] + n[2] * wo[2], ZERO)

@@ -17,8 +17,9 @@ from .lobes import Lobes
 from .nodes import Evaluation, ShadeContext
 from .poses import points_at_rest, posed_normals
 from .program import Program
-from .scene import DIFFUSE, TRANSLUCENT, MaterialParams, Scene
+from .scene import DIFFUSE, SHEEN, TRANSLUCENT, VELVET_SHEEN, MaterialParams, Scene
 from .shading import ShadingPoints, params_at
+from .sheen import set_sheen
 from .stretched import stretch_lobes
 
 _VECTORS = ("base_color", "specular_tint")  # columns of MaterialParams
@@ -56,13 +57,16 @@ class _Columns:
         self.weight = points.through.copy()
         self._turned = np.zeros(len(points.pixel), np.bool_)  # the normal, by a map
         self._grain = np.zeros((len(points.pixel), 3), np.float32)
+        self._sheen = np.zeros(len(points.pixel), np.int8)  # SHEEN, VELVET_SHEEN
         self._behind = np.zeros(len(points.pixel), np.bool_)  # TRANSLUCENT
 
     def write(self, layer: _Layer, rows: np.ndarray) -> None:
         """Give rows the layer's closure."""
         params: MaterialParams = self.params
         model, params.distribution[rows] = layer.closure
-        params.model[rows] = DIFFUSE if model == TRANSLUCENT else model
+        lambert = model in (TRANSLUCENT, SHEEN, VELVET_SHEEN)
+        params.model[rows] = DIFFUSE if lambert else model
+        self._sheen[rows] = model if model in (SHEEN, VELVET_SHEEN) else 0
         self._behind[rows] = model == TRANSLUCENT
         for name, values in layer.params.items():
             getattr(params, name)[rows] = values
@@ -87,6 +91,9 @@ class _Columns:
         points, weight = self.points, self.weight
         own = self.params, self.normal, points.geometric_normal, points.wo
         lobes = setup_lobes(*own, self._measured)
+        if self._sheen.any():
+            roughness = self.params.roughness
+            set_sheen(lobes, self._sheen == SHEEN, self._sheen == VELVET_SHEEN, roughness)
         if self._grain.any():
             stretch_lobes(lobes, self._grain)
         if self._turned.any():

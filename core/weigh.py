@@ -150,7 +150,7 @@ def _weigh_stretched(at, share, numbers, s, end):
         wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
         pdf = share * pdf_stretched(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
         value = stretched(at, wx, wy, wz, eval_lobes_at(at, wx, wy, wz))
-        if at.rough[3] > _ZERO:
+        if at.rough[3] != _ZERO:
             value = roughened(at, wx, wy, wz, value)
         _write_light(numbers, k, pdf, value)
 
@@ -167,7 +167,7 @@ def weigh_run(task, share, p, lanes, s, end):
         _lift_rays(task, at, p, lanes, s, end)
     if at.narrow > _ZERO:
         _weigh_stretched(at, share, lanes.numbers, s, end)
-    elif at.rough[3] > _ZERO and at.kind > 0:
+    elif at.rough[3] != _ZERO and at.kind > 0:
         _weigh_rough(at, share, lanes.numbers, s, end)
     elif at.kind <= DIFFUSE_LOBE:
         _weigh_matte(at, share, lanes.numbers, s, end)

@@ -52,6 +52,21 @@ def under_coat(context, settings, inputs):
     return {"": as_vector(inputs["Weight"], n) * column(left) * tint}
 
 
+def under_sheen(context, settings, inputs):
+    """Weight of what lies under the fibres of a Principled BSDF: what they do not reflect."""
+    from ..sheen import microfiber  # kernels: the exporters load without numba
+
+    n = len(context)
+    normal = as_vector(inputs.get("Normal", context.normal), n)
+    roughness = np.clip(as_number(inputs["Roughness"], n), 1e-3, 1.0)
+    share = (
+        np.maximum(as_number(inputs["Sheen"], n), 0.0)
+        * microfiber(dot(context.wo, normal), roughness)[2]
+    )
+    taken = np.maximum(as_vector(inputs["Tint"], n), 0.0).max(axis=1) * share
+    return {"": as_vector(inputs["Weight"], n) * column(np.clip(1.0 - taken, 0.0, 1.0))}
+
+
 def through_glass(context, settings, inputs):
     """The two parts of a weight: what a surface of glass reflects, and what goes straight through.
 
@@ -93,4 +108,9 @@ def grain(context, settings, inputs):
     return {"": np.float32(normalized(turned) * column(ratio))}
 
 
-FUNCTIONS = {"grain": grain, "under_coat": under_coat, "through_glass": through_glass}
+FUNCTIONS = {
+    "grain": grain,
+    "under_coat": under_coat,
+    "under_sheen": under_sheen,
+    "through_glass": through_glass,
+}

@@ -19,7 +19,7 @@ class ClearShaders(SurfaceBuilder):
 
     def _translucent(self, node, groups, weight):
         color = self._builder.color(node, "Color", groups)
-        self._close(node, groups, weight, TRANSLUCENT, base_color=color)
+        self._close(node, groups, weight, TRANSLUCENT, base_color=color, diffuse_roughness=ZERO)
 
     def _transparent(self, node, groups, weight):
         color = self._builder.color(node, "Color", groups)

@@ -21,7 +21,9 @@ from ...core.scene import (
     GGX,
     MULTI_GGX,
     PRINCIPLED,
+    SHEEN,
     TRANSLUCENT,
+    VELVET_SHEEN,
     MaterialParams,
 )
 from .node_values import NodeReader, follow
@@ -64,6 +66,7 @@ class _Surface:
 
 
 _NOTHING = _Surface(model=BLACK)
+_LIKE_LAMBERTS = (TRANSLUCENT, SHEEN, VELVET_SHEEN)  # of closures alone, not of rows
 # Where there is no material, Cycles shows a new Principled BSDF; before Blender 5 a diffuse grey.
 _NO_MATERIAL = (
     _Surface(model=PRINCIPLED, distribution=MULTI_GGX) if bpy.app.version >= (5, 0) else _Surface()
@@ -178,7 +181,7 @@ def _is_row(closures, emission) -> bool:
         return True
     closure = closures[0]
     turned = closure.normal is not None or closure.grain is not None
-    if len(closures) > 1 or turned or closure.model == TRANSLUCENT:
+    if len(closures) > 1 or turned or closure.model in _LIKE_LAMBERTS:
         return False
     whole = is_constant(closure.weight) and np.all(np.minimum(closure.weight, 1.0) == 1.0)
     return bool(whole) and all(map(is_constant, closure.params.values()))
@@ -198,7 +201,7 @@ def _row_of(closures, emission, builder) -> _Surface:
         params = {name: constant(value) for name, value in heaviest.params.items()}
         values = {name: value.tolist() for name, value in params.items()}
         values = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
-        model = DIFFUSE if heaviest.model == TRANSLUCENT else heaviest.model
+        model = DIFFUSE if heaviest.model in _LIKE_LAMBERTS else heaviest.model
         surface = _Surface(model=model, distribution=heaviest.distribution, **values)
     return dataclasses.replace(surface, emission=tuple(map(float, glow)))
 

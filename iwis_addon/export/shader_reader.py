@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.program import Closure, Value
-from ...core.scene import DIFFUSE, GGX, GLOSSY, PRINCIPLED
+from ...core.scene import DIFFUSE, GGX, GLOSSY, PRINCIPLED, SHEEN, VELVET_SHEEN
 from .clear_shaders import ClearShaders
 from .node_values import follow
 from .program_builder import ProgramBuilder
@@ -19,7 +19,6 @@ from .surface_parts import BLACK, DISTRIBUTIONS, ONE, WHITE, ZERO, is_constant
 _PRINCIPLED_IGNORES = {
     "Thin Wall": (0.0, "the surface is solid"),
     "Subsurface Weight": (0.0, "rendered as diffuse"),
-    "Sheen Weight": (0.0, "rendered without sheen"),
     "Thin Film Thickness": (0.0, "rendered without thin film"),
 }
 
@@ -58,6 +57,7 @@ class ShaderReader(ClearShaders):
             "ShaderNodeMixShader": self._mix,
             "ShaderNodeAddShader": self._add,
             "ShaderNodeHoldout": self._holdout,
+            "ShaderNodeBsdfSheen": self._sheen,
             "ShaderNodeBsdfTranslucent": self._translucent,
             "ShaderNodeBsdfGlass": self._glass,
             "ShaderNodeBsdfRefraction": self._refraction,
@@ -94,6 +94,7 @@ class ShaderReader(ClearShaders):
         if "Diffuse Roughness" in node.inputs:
             params["diffuse_roughness"] = number(node, "Diffuse Roughness", groups)
         weight = self._alpha(node, groups, weight)
+        weight = self._sheen_layer(node, groups, weight)
         weight = self._coat(node, groups, weight)
         strength = number(node, "Emission Strength", groups)
         # A color without strength is not looked at: Blender's default is white.
@@ -104,6 +105,35 @@ class ShaderReader(ClearShaders):
         weight = self._transmission(node, groups, weight, params, grain)
         distribution = DISTRIBUTIONS[node.distribution]
         self._close(node, groups, weight, PRINCIPLED, distribution, grain, **params)
+
+    def _sheen_layer(self, node, groups, weight):
+        """Add Principled's sheen; what it leaves of a weight for all under it."""
+        number = self._builder.number
+        share, tint = (
+            number(node, "Sheen Weight", groups),
+            self._builder.color(node, "Sheen Tint", groups),
+        )
+        if is_constant(share) and share <= 0.0:
+            return weight
+        roughness = number(node, "Sheen Roughness", groups)
+        own = self._times(self._builder.scaled(weight, share), tint)
+        self._close(
+            node, groups, own, SHEEN, base_color=WHITE, roughness=roughness, diffuse_roughness=ZERO
+        )
+        inputs = {"Weight": weight, "Sheen": share, "Tint": tint, "Roughness": roughness}
+        normal = self._builder.vector_if_linked(node, "Normal", groups)
+        if normal is not None:
+            inputs["Normal"] = normal
+        return self._builder.run_at_points("under_sheen", **inputs)
+
+    def _sheen(self, node, groups, weight):
+        params = {
+            "base_color": self._builder.color(node, "Color", groups),
+            "roughness": self._builder.number(node, "Roughness", groups),
+            "diffuse_roughness": ZERO,
+        }
+        model = SHEEN if node.distribution == "MICROFIBER" else VELVET_SHEEN
+        self._close(node, groups, weight, model, **params)
 
     def _coat(self, node, groups, weight):
         """Add Principled's coat; what it leaves of a weight for all under it."""

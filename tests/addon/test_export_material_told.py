@@ -27,7 +27,6 @@ def test_warnings_name_objects(build, users, where):
 
 OTHERS = {
     "ShaderNodeSubsurfaceScattering": DIFFUSE,
-    "ShaderNodeBsdfSheen": DIFFUSE,
     "ShaderNodeBsdfToon": DIFFUSE,
     "ShaderNodeBsdfHair": DIFFUSE,
     "ShaderNodeBsdfHairPrincipled": DIFFUSE,
@@ -48,7 +47,6 @@ def test_unsupported_shader_is_never_black_without_a_word(build, kind):
 
 IGNORED = {
     "Subsurface Weight": 0.5,
-    "Sheen Weight": 0.5,
     "Thin Film Thickness": 100.0,
 }
 

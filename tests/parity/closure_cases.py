@@ -148,6 +148,34 @@ lit(
 lit("Transparent, tinted, that glows", _tinted_glow, blurred=True, warns="grey shadow")
 
 
+_SHEEN = {
+    "Principled, sheen": {"Sheen_Weight": 1.0},
+    "Principled, sheen, rough and tinted": {"Sheen_Roughness": 0.9, "Sheen_Tint": (0.9, 0.4, 0.2)},
+    "Principled, sheen, smooth": {"Sheen_Roughness": 0.3, "Sheen_Weight": 0.7},
+    "Principled, sheen under a coat": {"Coat_Weight": 1.0, "Coat_Roughness": 0.2},
+    "Principled, sheen varies": {
+        "Sheen_Weight": noise_of,
+        "Sheen_Roughness": lambda t: t.axis("Z"),
+    },
+}
+for _name, _values in _SHEEN.items():
+    lit(_name, principled(**{"Sheen_Weight": 1.0, "Base_Color": RED} | _values))
+
+
+def _sheen(roughness, distribution="MICROFIBER"):
+    return lambda t: t.made(
+        "ShaderNodeBsdfSheen",
+        0,
+        {"Color": BLUE, "Roughness": roughness(t) if callable(roughness) else roughness},
+        distribution=distribution,
+    )
+
+
+for _kind in ("MICROFIBER", "ASHIKHMIN"):
+    for _roughness in (0.3, 0.8):
+        lit(f"Sheen, {_kind}, roughness {_roughness}", _sheen(_roughness, _kind))
+lit("Sheen, by noise", _sheen(noise_of))
+
 _BRUSHED = {
     "Principled, brushed metal": {"Anisotropic": 0.8, "Roughness": 0.3},
     "Principled, brushed and turned": {"Anisotropic": 0.5, "Anisotropic_Rotation": 0.15},

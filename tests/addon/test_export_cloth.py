@@ -1,10 +1,11 @@
-"""Materials of the open file whose gloss is stretched."""
+"""Materials of the open file with a grain, or with sheen."""
 
 import numpy as np
 import pytest
 
 from iwis.core.nodes.layers import grain
 from iwis.core.program import Ref
+from iwis.core.scene import DIFFUSE, SHEEN, VELVET_SHEEN
 from support.material_builds import Build, only, program_of
 
 
@@ -75,3 +76,28 @@ def test_grain_turns_and_stretches(model, amount, length):
     inputs["Tangent"] = np.float32([1.0, 0.0, 0.0])
     found = grain(Up(), {"model": model}, inputs)[""]
     np.testing.assert_allclose(found, [[0.0, length, 0.0]], atol=1e-6)
+
+
+def test_sheen_is_a_closure_over_the_rest(build):
+    """Of its own, times its weight and tint, first; what is under it gets what it leaves."""
+    tint = (1.0, 0.5, 0.2, 1.0)
+    node = build.node(
+        "ShaderNodeBsdfPrincipled", Sheen_Weight=0.5, Sheen_Roughness=0.3, Sheen_Tint=tint
+    )
+    _, warnings = only(build.surface(node))
+    assert not warnings
+    sheen, base = program_of(build).closures
+    assert sheen.model == SHEEN and isinstance(base.weight, Ref)
+    np.testing.assert_allclose(sheen.weight, [0.5, 0.25, 0.1], rtol=1e-6)
+    np.testing.assert_allclose(sheen.params["roughness"], 0.3, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("distribution", "model"), [("MICROFIBER", SHEEN), ("ASHIKHMIN", VELVET_SHEEN)]
+)
+def test_sheen_node(build, distribution, model):
+    node = build.node("ShaderNodeBsdfSheen", distribution=distribution, Color=(0.2, 0.3, 0.4, 1.0))
+    row, warnings = only(build.surface(node))
+    assert not warnings and row["model"] == DIFFUSE  # mode PAPER
+    (closure,) = program_of(build).closures
+    assert closure.model == model

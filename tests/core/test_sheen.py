@@ -1,0 +1,79 @@
+"""Sheen as a factor on a Lambert lobe (core/sheen.py)."""
+
+import numpy as np
+import pytest
+
+from iwis.core.nodes.layers import under_sheen
+from iwis.core.scene import DIFFUSE
+from iwis.core.sheen import microfiber, set_sheen
+from support.brdf_points import directions, evaluated, points, reflected, sphere_quadrature
+
+_COSINES = (0.9, 0.5, 0.15)
+
+
+def _lobes(model, roughness):
+    wo = directions(_COSINES)
+    lobes = points(wo, model=DIFFUSE)
+    own = np.full(len(wo), model == "fibers"), np.full(len(wo), model == "velvet")
+    set_sheen(lobes, *own, np.full(len(wo), roughness, np.float32))
+    return lobes
+
+
+@pytest.mark.parametrize("roughness", [0.2, 0.5, 1.0])
+def test_fibers_reflect_what_the_table_says(roughness):
+    """Of light from everywhere R, but for the part of the bent lobe that is below the horizon.
+
+    The map keeps z's sign: nothing is below, the integral over the hemisphere is R.
+    """
+    lobes = _lobes("fibers", roughness)
+    share = microfiber(np.float32(_COSINES), np.full(3, roughness, np.float32))[2]
+    quadrature = sphere_quadrature(512, 1024)
+    found = [reflected(lobes, p, quadrature=quadrature)[0] for p in range(3)]
+    np.testing.assert_allclose(found, share, rtol=5e-3, atol=1e-4)
+
+
+def test_table_is_read_between_its_nodes():
+    """Halfway between two roughnesses each number is the mean; past the ends it is the end's."""
+    cosine = np.full(3, 0.25, np.float32)
+    low, middle, high = (np.float32([x / 31.0] * 3) for x in (20.0, 20.5, 21.0))
+    for a, b, c in zip(*(microfiber(cosine, r) for r in (low, middle, high)), strict=True):
+        np.testing.assert_allclose(b, (a + c) / 2.0, rtol=1e-5)
+    ends = microfiber(np.float32([1.0, 2.0]), np.float32([1.0, 3.0]))
+    for values in ends:
+        assert values[0] == values[1]
+
+
+@pytest.mark.parametrize("roughness", [0.3, 0.8])
+def test_velvet_is_the_textbook_formula(roughness, rng):
+    """D G / (4 cos_o) of an inverted Gaussian [Ashikhmin00], in float64."""
+    lobes = _lobes("velvet", roughness)
+    wi = rng.normal(size=(2000, 3))
+    wi[:, 2] = np.abs(wi[:, 2]) + 0.02
+    wi = np.float32(wi / np.linalg.norm(wi, axis=1)[:, None])
+    for p, wo in enumerate(directions(_COSINES).astype(np.float64)):
+        h = wi + wo
+        h /= np.linalg.norm(h, axis=1)[:, None]
+        cos_h, half = h[:, 2], h @ wo
+        sin2 = 1.0 - cos_h**2
+        d = np.exp(-(cos_h**2) / sin2 / roughness**2) / (np.pi * roughness**2 * sin2**2)
+        g = np.minimum(1.0, 2.0 * cos_h / half * np.minimum(wi[:, 2], wo[2]))
+        ours = evaluated(lobes, p, wi)[:, 0]
+        np.testing.assert_allclose(ours, d * g / (4.0 * wo[2]), rtol=3e-3, atol=1e-7)
+
+
+def test_paint_under_fibers_gets_the_rest():
+    """1 less weight x brightest tint x R, never below 0."""
+
+    class Straight:
+        wo = normal = np.float32([[0.0, 0.0, 1.0]])
+
+        def __len__(self):
+            return 1
+
+    share = float(microfiber(np.float32([1.0]), np.float32([0.5]))[2][0])
+    inputs = {"Weight": np.float32([0.8] * 3), "Roughness": np.float32(0.5)}
+    inputs |= {"Sheen": np.float32(1.0), "Tint": np.float32([0.2, 1.0, 0.5])}
+    left = under_sheen(Straight(), {}, inputs)[""]
+    np.testing.assert_allclose(left, 0.8 * (1.0 - share), rtol=1e-5)
+    left = under_sheen(Straight(), {}, inputs | {"Sheen": np.float32(1e3)})[""]
+    assert not left.any()
