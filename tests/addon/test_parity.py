@@ -14,7 +14,6 @@ _NOISY = (
     "Camera depth of field of glowing checks",
     "Mix, three closures",
     "World, ramp by height",
-    "Points, Principled, rough metal",
     "Curves, metal",
 )
 _CHOSEN = [case for case in ALL_CASES if not case.noisy][::10]

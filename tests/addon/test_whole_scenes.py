@@ -9,7 +9,6 @@ from whole_scenes.measure import compared, measure
 
 _CHOSEN = (
     "General (factory startup)",
-    "object.metaball_add BALL",
     "object.pointcloud_random_add",
     "object.quick_smoke",
 )

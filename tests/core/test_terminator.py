@@ -3,9 +3,18 @@
 import numpy as np
 import pytest
 
+from iwis.core.scene import ROUND
 from iwis.core.shading import shading_points
 from iwis.core.terminator import lift_share
-from support.scenes import make_mesh, sphere
+from support.scenes import (
+    camera_above,
+    constant_world,
+    diffuse,
+    make_mesh,
+    make_picture,
+    make_scene,
+    sphere,
+)
 
 
 def _centre_points(smooth, looking, offset=0.1):
@@ -55,3 +64,20 @@ def test_the_share_is_one_at_the_horizon_and_fades_out():
         float(lift_share(np.float32(c), np.float32(c), np.float32(0.1))) for c in (0.0, 0.05, 0.075)
     ]
     assert both == pytest.approx([1.0, 1.0, 0.5], abs=1e-6)
+
+
+def test_what_is_round_is_lit_as_a_ball():
+    """A ball of 48 faces under a white sky gives back its albedo all over; with the usual offset
+    its facets shade themselves."""
+    ball, camera = sphere(rings=4, smooth=True), camera_above(half=0.7)
+    means = []
+    for offset in (ROUND, 0.1):
+        offsets = np.float32([offset])
+        scene = make_scene(
+            [ball], [diffuse((0.8, 0.8, 0.8))], constant_world(), camera, terminator_offset=offsets
+        )
+        layers, _ = make_picture(scene, max_samples=64, stop_rule="FIXED")
+        means.append(float(layers["combined"][..., :3].mean()))
+    # .002: a parabola stands for the sphere, so that some rays start below it
+    assert means[0] == pytest.approx(0.8, abs=0.002)
+    assert means[1] < 0.797
