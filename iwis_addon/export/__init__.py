@@ -11,7 +11,8 @@ material, shader_reader      shader nodes to rows of materials, and to closures 
 program_builder, ..._nodes, ..._images, surface_data
                              value nodes to operations, with all that these look up
 measured                     materials with a measured BRDF in place of nodes
-live                         a window's scene, of which only what has changed is read again
+live, late_sky               a window's scene, of which only what has changed is read again, and
+                             whose skies are not waited for
 """
 
 from __future__ import annotations
