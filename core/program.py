@@ -41,7 +41,8 @@ class Op(NamedTuple):
 class Closure(NamedTuple):
     """One BSDF of a mixture.
 
-    model: as in MaterialParams, or TRANSLUCENT, SHEEN, VELVET_SHEEN; distribution: as there
+    model: as in MaterialParams, or TRANSLUCENT (DIFFUSE on the side away from the viewer), SHEEN,
+        VELVET_SHEEN (sheen.py); distribution: as there
     weight: a colour, the factor of all it reflects
     params: column of MaterialParams -> its value; a missing one is that of the material's own row
     normal: a vector; None: the surface's own
