@@ -8,7 +8,7 @@ from .cases import world
 _WHITE = (1.0, 1.0, 1.0)
 
 
-def _sky(turn=0.0, name="S"):
+def _picture(turn=0.0, name="S"):
     """A packed float map without poles of its own: smooth, with a bright side."""
     rows, columns = np.mgrid[0:32, 0:64] / np.array([32.0, 64.0])[:, None, None]
     level = np.sin(np.pi * rows)
@@ -24,7 +24,7 @@ def _sky(turn=0.0, name="S"):
 
 def _image(tree, turn=0.0, vector=None):
     inputs = {} if vector is None else {0: vector}
-    return tree.made("ShaderNodeTexEnvironment", 0, inputs, image=_sky(turn, f"S{turn}"))
+    return tree.made("ShaderNodeTexEnvironment", 0, inputs, image=_picture(turn, f"S{turn}"))
 
 
 def _background(tree, color, strength=1.0):
@@ -124,7 +124,7 @@ def _override(tree):
 
 def _flat_image(tree):
     place = tree.made("ShaderNodeMapping", 0, {"Vector": tree.coordinates("Generated")})
-    node = tree.node("ShaderNodeTexImage", image=_sky(1.0), extension="MIRROR")
+    node = tree.node("ShaderNodeTexImage", image=_picture(1.0), extension="MIRROR")
     tree.link(place, node.inputs[0])
     return _background(tree, node.outputs[0])
 
