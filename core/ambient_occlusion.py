@@ -6,6 +6,7 @@ where its light is, and tell little of where it is dark.
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -13,7 +14,8 @@ import numpy as np
 from ._jit import kernel
 from .accel import Accel, start_shadow_ray
 from .lobes import Lobes
-from .scene import Scene
+from .microfacet import basis, to_world
+from .scene import ROUND, Scene
 from .sequence import PixelSequence, pixel_sequence, sequence_point, sobol_points
 from .settings import RenderSettings
 from .shading import ShadingPoints
@@ -21,7 +23,7 @@ from .shading import ShadingPoints
 # Rays of a shading point: in a pass, and where a pixel has only one.
 _OF_A_PASS, _AT_ONCE = 4, 64
 _SEED = 0x5A0C  # other numbers than the light's
-_ZERO, _ONE = np.float32(0.0), np.float32(1.0)
+_ZERO, _ONE, _ROUND = np.float32(0.0), np.float32(1.0), np.float32(ROUND)
 
 
 class TileOcclusion:
@@ -71,8 +73,8 @@ class TileOcclusion:
         origins, directions = (np.zeros((n * count, 3), np.float32) for _ in range(2))
         leaves = np.zeros(n * count, np.bool_)
         offset = np.float32(self._accel.offset)
-        normal = lobes.normal
-        _fill_rays(points, normal, sequence, first, count, offset, origins, directions, leaves)
+        own = points, lobes.normal, sequence, first, count, offset
+        _fill_rays(*own, origins, directions, leaves)
         which = np.flatnonzero(leaves)
         reach = np.full(len(which), self._reach, np.float32)
         met = self._accel.occluded(origins[which], directions[which], None, reach)
@@ -81,14 +83,21 @@ class TileOcclusion:
         return leaves.reshape(n, count).mean(axis=1)
 
 
+@functools.lru_cache(maxsize=4)
+def _points(count: int) -> np.ndarray:
+    """The first points of Sobol's sequence."""
+    return sobol_points(count)
+
+
 def _sequence(places, count, settings) -> PixelSequence:
     """Each pixel's own, whatever the light's samples use."""
     column, row = (place.astype(np.int32) for place in places)
     width = int(column.max(initial=0)) + 1
     seed = settings.seed ^ _SEED
-    return pixel_sequence(
-        sobol_points(count), row * np.int32(width) + column, (0, 0, width), seed, "OWEN"
-    )
+    pixel = row * np.int32(width) + column
+    # As many as a power of two: passes after one another share them.
+    points = _points(1 << max(count - 1, 1).bit_length())
+    return pixel_sequence(points, pixel, (0, 0, width), seed, "OWEN")
 
 
 @kernel
@@ -96,21 +105,20 @@ def _fill_rays(points, normal, sequence, first, count, offset, origins, directio
     """Write ``count`` rays of each point, and whether they leave its face at all."""
     for p in range(len(points.pixel)):
         face, n = points.geometric_normal[p], normal[p]
+        below = points.lift_below[p]
         side = n[0] * face[0] + n[1] * face[1] + n[2] * face[2]
         side = -_ONE if side < _ZERO else _ONE  # of a translucent closure
-        nx, ny, nz = side * n[0], side * n[1], side * n[2]
-        # A frame about the normal [Duff17].
-        sign = _ONE if nz >= _ZERO else -_ONE
-        a = -_ONE / (sign + nz)
-        b = nx * ny * a
+        up = (side * n[0], side * n[1], side * n[2])
+        s, t = basis(up)
         for k in range(count):
             u, v = sequence_point(sequence, p, first + k)
             radius, angle = np.float32(math.sqrt(u)), np.float32(2.0 * math.pi * v)
             x, y = radius * math.cos(angle), radius * math.sin(angle)
             z = np.float32(math.sqrt(1.0 - u))
-            wx = x * (_ONE + sign * nx * nx * a) + y * b + z * nx
-            wy = x * sign * b + y * (sign + ny * ny * a) + z * ny
-            wz = -x * sign * nx - y * ny + z * nz
+            wx, wy, wz = to_world(s, t, up, x, y, z)
             m = p * count + k
-            leaves[m] = start_shadow_ray(points, p, wx, wy, wz, False, offset, origins, m)
+            above = face[0] * wx + face[1] * wy + face[2] * wz
+            # From the smooth patch over coarse faces, as Cycles' rays of this pass.
+            lifted = below > _ZERO and (above > _ZERO or below >= _ROUND)
+            leaves[m] = start_shadow_ray(points, p, wx, wy, wz, lifted, offset, origins, m)
             directions[m, 0], directions[m, 1], directions[m, 2] = wx, wy, wz

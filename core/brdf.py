@@ -35,8 +35,10 @@ from .microfacet import (
     beckmann_d,
     beckmann_lambda,
     dielectric_blend,
+    dot_xyz,
     ggx_d,
     ggx_lambda,
+    half_vector,
     sample_beckmann_normal,
     sample_ggx_visible_normal,
     schlick_weight,
@@ -50,21 +52,14 @@ _ALMOST_ONE = np.float32(1.0 - 2.0**-24)
 
 
 @kernel(forceinline=True)
-def _dot(a, x, y, z):
-    return a[0] * x + a[1] * y + a[2] * z
-
-
-@kernel(forceinline=True)
-def _half_vector(at, wi_x, wi_y, wi_z):
+def _half_angles(at, wi_x, wi_y, wi_z):
     """(sine squared of the angle between h and the glossy normal, their cosine, wo . h)."""
-    hx, hy, hz = at.wo[0] + wi_x, at.wo[1] + wi_y, at.wo[2] + wi_z
-    length2 = max(hx * hx + hy * hy + hz * hz, _TINY)
-    scale = ONE / math.sqrt(length2)
+    hx, hy, hz, cos_h = half_vector(at.wo, wi_x, wi_y, wi_z)
     # By the chord between both unit vectors: 1 - cos^2 has no digits left where the lobe is sharp.
     m = at.glossy_normal
-    dx, dy, dz = hx * scale - m[0], hy * scale - m[1], hz * scale - m[2]
+    dx, dy, dz = hx - m[0], hy - m[1], hz - m[2]
     chord2 = dx * dx + dy * dy + dz * dz
-    return max(chord2 * (ONE - QUARTER * chord2), ZERO), ONE - HALF * chord2, HALF * length2 * scale
+    return max(chord2 * (ONE - QUARTER * chord2), ZERO), ONE - HALF * chord2, cos_h
 
 
 @kernel(forceinline=True)
@@ -91,15 +86,15 @@ def eval_at(at, wi_x, wi_y, wi_z):
 @kernel(forceinline=True)
 def eval_lobes_at(at, wi_x, wi_y, wi_z):
     """eval_at of a point neither measured, rough, stretched nor bumped: fewer branches."""
-    cos_n = max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO)
+    cos_n = max(dot_xyz(at.normal, wi_x, wi_y, wi_z), ZERO)
     scale = cos_n * INV_PI
     dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale
     if at.kind <= DIFFUSE_LOBE:
         return dr, dg, db, ZERO, ZERO, ZERO
-    cos_i = _dot(at.glossy_normal, wi_x, wi_y, wi_z)
+    cos_i = dot_xyz(at.glossy_normal, wi_x, wi_y, wi_z)
     if cos_i <= ZERO or cos_n <= ZERO:
         return dr, dg, db, ZERO, ZERO, ZERO
-    sin2, _, cos_h = _half_vector(at, wi_x, wi_y, wi_z)
+    sin2, _, cos_h = _half_angles(at, wi_x, wi_y, wi_z)
     alpha2 = at.alpha * at.alpha
     if at.gaussian:
         density, hidden = beckmann_d(alpha2, sin2), beckmann_lambda(alpha2, cos_i)
@@ -130,7 +125,7 @@ def _metal(f0, edge, s, t):
 
 @kernel(forceinline=True)
 def _pdf_gloss(at, wi_x, wi_y, wi_z):
-    sin2, cos_m, cos_h = _half_vector(at, wi_x, wi_y, wi_z)
+    sin2, cos_m, cos_h = _half_angles(at, wi_x, wi_y, wi_z)
     alpha2 = at.alpha * at.alpha
     if at.gaussian:  # facets turned away from wo are taken as well: their h points down
         return beckmann_d(alpha2, sin2) * abs(cos_m) / (FOUR * cos_h)
@@ -147,7 +142,7 @@ def pdf_at(at, wi_x, wi_y, wi_z):
     """
     if at.kind == 0:
         return ZERO
-    cos_n = _dot(at.normal, wi_x, wi_y, wi_z)
+    cos_n = dot_xyz(at.normal, wi_x, wi_y, wi_z)
     pdf = at.diffuse_share * max(cos_n, ZERO) * INV_PI
     if at.kind == DIFFUSE_LOBE:
         return pdf
@@ -166,7 +161,7 @@ def pdf_narrowest_at(at, wi_x, wi_y, wi_z):
 def pdf_round_at(at, wi_x, wi_y, wi_z):
     """pdf_narrowest_at of a point that is not stretched."""
     if at.kind == DIFFUSE_LOBE:
-        return max(_dot(at.normal, wi_x, wi_y, wi_z), ZERO) * INV_PI
+        return max(dot_xyz(at.normal, wi_x, wi_y, wi_z), ZERO) * INV_PI
     return _pdf_gloss(at, wi_x, wi_y, wi_z)
 
 
@@ -215,10 +210,10 @@ def _sample_gloss(at, u1, u2):
     if at.gaussian:
         x, y, z = sample_beckmann_normal(at.alpha, across, u1, u2)
     else:
-        wo_x, wo_y = _dot(wo, s[0], s[1], s[2]), _dot(wo, t[0], t[1], t[2])
+        wo_x, wo_y = dot_xyz(wo, s[0], s[1], s[2]), dot_xyz(wo, t[0], t[1], t[2])
         x, y, z = sample_ggx_visible_normal(wo_x, wo_y, at.cos_o, at.alpha, across, u1, u2)
     hx, hy, hz = to_world(s, t, at.glossy_normal, x, y, z)
-    twice = TWO * _dot(wo, hx, hy, hz)
+    twice = TWO * dot_xyz(wo, hx, hy, hz)
     return twice * hx - wo[0], twice * hy - wo[1], twice * hz - wo[2]
 
 

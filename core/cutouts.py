@@ -60,9 +60,12 @@ def _passing_colors(scene: Scene, points: ShadingPoints, shadow: bool) -> np.nda
             which = np.flatnonzero(rows == row)
             at_rest = points_at_rest(scene.pose, scene.mesh, points.at(which))
             context = ShadeContext.of_points(scene, at_rest, shadow)
-            evaluation = Evaluation(program, context)
-            colors[which] = np.maximum(evaluation.vector(program.transparent), 0.0)
+            colors[which] = _passing_color(program, Evaluation(program, context))
     return colors
+
+
+def _passing_color(program: Program, evaluation: Evaluation) -> np.ndarray:
+    return np.maximum(evaluation.vector(program.transparent), 0.0)
 
 
 def _share_of(color: np.ndarray) -> np.ndarray:
@@ -95,7 +98,7 @@ def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
 
 def passing_share(program: Program, evaluation: Evaluation) -> np.ndarray:
     """float32 (n,): the probability that a ray goes on, at the points of an evaluation."""
-    return _share_of(np.maximum(evaluation.vector(program.transparent), 0.0))
+    return _share_of(_passing_color(program, evaluation))
 
 
 def points_through(

@@ -21,6 +21,7 @@ QUARTER = np.float32(0.25)
 # Smaller lobes are widened to this: 0.006 degrees, a texel of a 64k panorama. Below it the float32
 # of a direction cannot tell where in the lobe it lies; Cycles calls 1.4e-5 a perfect mirror.
 MIN_ALPHA = np.float32(1e-4)
+_TINY = np.float32(1e-12)
 
 _F82 = 6.0 / 7.0
 F82_SCHLICK = np.float32(_F82**5)
@@ -146,6 +147,21 @@ def f82_edge(f0, tint):
 def f82_mean(f0, edge):
     """Cosine-weighted mean of the F82 curve: 2 int (F0 + (1 - F0) s^5 - edge c s^6) c dc."""
     return f0 + (ONE - f0) * np.float32(1.0 / 21.0) - edge * np.float32(1.0 / 126.0)
+
+
+@kernel(forceinline=True)
+def dot_xyz(a, x, y, z):
+    """a . (x, y, z), of a tuple."""
+    return a[0] * x + a[1] * y + a[2] * z
+
+
+@kernel(forceinline=True)
+def half_vector(wo, wi_x, wi_y, wi_z):
+    """The unit vector halfway between wo and wi, and wo . h: (x, y, z, cosine)."""
+    hx, hy, hz = wo[0] + wi_x, wo[1] + wi_y, wo[2] + wi_z
+    length2 = max(hx * hx + hy * hy + hz * hz, _TINY)
+    scale = ONE / math.sqrt(length2)
+    return hx * scale, hy * scale, hz * scale, HALF * length2 * scale
 
 
 @kernel(forceinline=True)

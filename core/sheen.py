@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from ._jit import kernel
-from .microfacet import HALF, INV_PI, ONE, PI, QUARTER, TWO, ZERO
+from .microfacet import INV_PI, ONE, PI, QUARTER, TWO, ZERO, dot_xyz, half_vector
 from .sheen_numbers import NUMBERS
 
 # Lobes.rough[3]: (a, b) or (sigma) before it.
@@ -65,11 +65,9 @@ def set_sheen(lobes, fibers: np.ndarray, velvet: np.ndarray, roughness: np.ndarr
 def _microfiber(at, wi_x, wi_y, wi_z):
     """The factor of Lambert's."""
     n, wo = at.normal, at.wo
-    z = n[0] * wi_x + n[1] * wi_y + n[2] * wi_z
-    cos_o = n[0] * wo[0] + n[1] * wo[1] + n[2] * wo[2]
+    z, cos_o = dot_xyz(n, wi_x, wi_y, wi_z), dot_xyz(n, wo[0], wo[1], wo[2])
     sin_o = math.sqrt(max(ONE - cos_o * cos_o, _TINY))
-    along = wi_x * wo[0] + wi_y * wo[1] + wi_z * wo[2]
-    x = (along - z * cos_o) / sin_o
+    x = (dot_xyz(wo, wi_x, wi_y, wi_z) - z * cos_o) / sin_o
     a, b = at.rough[0], at.rough[1]
     y2 = max(ONE - z * z - x * x, ZERO)
     bent = a * x + b * z
@@ -81,13 +79,9 @@ def _microfiber(at, wi_x, wi_y, wi_z):
 def _velvet(at, wi_x, wi_y, wi_z):
     """The factor of Lambert's."""
     n, wo = at.normal, at.wo
-    cos_i = n[0] * wi_x + n[1] * wi_y + n[2] * wi_z
-    cos_o = n[0] * wo[0] + n[1] * wo[1] + n[2] * wo[2]
-    hx, hy, hz = wi_x + wo[0], wi_y + wo[1], wi_z + wo[2]
-    length2 = max(hx * hx + hy * hy + hz * hz, _TINY)
-    inverse = ONE / math.sqrt(length2)
-    cos_h = (n[0] * hx + n[1] * hy + n[2] * hz) * inverse
-    half = HALF * length2 * inverse  # wo . h
+    cos_i, cos_o = dot_xyz(n, wi_x, wi_y, wi_z), dot_xyz(n, wo[0], wo[1], wo[2])
+    hx, hy, hz, half = half_vector(wo, wi_x, wi_y, wi_z)
+    cos_h = dot_xyz(n, hx, hy, hz)
     if cos_i <= ZERO or cos_o <= ZERO or cos_h >= ONE - _SMALL or half <= _SMALL:
         return ZERO
     sin2 = ONE - cos_h * cos_h

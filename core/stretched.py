@@ -14,15 +14,16 @@ import numpy as np
 from ._jit import kernel
 from .microfacet import (
     FOUR,
-    HALF,
     INV_PI,
     MIN_ALPHA,
     ONE,
     ZERO,
     beckmann_d,
     beckmann_lambda,
+    dot_xyz,
     ggx_d,
     ggx_lambda,
+    half_vector,
 )
 from .scene import BECKMANN
 
@@ -40,20 +41,12 @@ def cross(a, b):
 
 
 @kernel(forceinline=True)
-def _dot(a, x, y, z):
-    return a[0] * x + a[1] * y + a[2] * z
-
-
-@kernel(forceinline=True)
 def _facet(at, wi_x, wi_y, wi_z):
     """h along the tangent, across it and along the normal, and wo . h."""
-    hx, hy, hz = at.wo[0] + wi_x, at.wo[1] + wi_y, at.wo[2] + wi_z
-    length2 = max(hx * hx + hy * hy + hz * hz, _TINY)
-    scale = ONE / math.sqrt(length2)
-    hx, hy, hz = hx * scale, hy * scale, hz * scale
+    hx, hy, hz, cos_h = half_vector(at.wo, wi_x, wi_y, wi_z)
     side = cross(at.glossy_normal, at.tangent)
-    x, y = _dot(at.tangent, hx, hy, hz), _dot(side, hx, hy, hz)
-    return x, y, _dot(at.glossy_normal, hx, hy, hz), HALF * length2 * scale
+    x, y = dot_xyz(at.tangent, hx, hy, hz), dot_xyz(side, hx, hy, hz)
+    return x, y, dot_xyz(at.glossy_normal, hx, hy, hz), cos_h
 
 
 @kernel(forceinline=True)
@@ -74,7 +67,7 @@ def _density(at, x, y, z):
 def _width2(normal, tangent, wide, narrow, x, y, z):
     """Square of the width of the slopes towards a direction."""
     side = cross(normal, tangent)
-    along, across = _dot(tangent, x, y, z), _dot(side, x, y, z)
+    along, across = dot_xyz(tangent, x, y, z), dot_xyz(side, x, y, z)
     along, across = along * along, across * across
     whole = along + across
     if whole < _TINY:
@@ -86,7 +79,7 @@ def _width2(normal, tangent, wide, narrow, x, y, z):
 def stretched(at, wi_x, wi_y, wi_z, value):
     """eval_lobes_at's value, of a round lobe of width at.alpha, with its gloss stretched."""
     dr, dg, db, gr, gg, gb = value
-    cos_i = _dot(at.glossy_normal, wi_x, wi_y, wi_z)
+    cos_i = dot_xyz(at.glossy_normal, wi_x, wi_y, wi_z)
     if gr + gg + gb <= ZERO or cos_i <= ZERO:
         return value
     x, y, z, _ = _facet(at, wi_x, wi_y, wi_z)
@@ -127,7 +120,7 @@ def stretch_lobes(lobes, grain):
         ratio = math.sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])
         normal = (n[0], n[1], n[2])
         side = cross(normal, (g[0], g[1], g[2]))
-        length = math.sqrt(_dot(side, side[0], side[1], side[2]))
+        length = math.sqrt(dot_xyz(side, side[0], side[1], side[2]))
         if ratio <= ZERO or length <= np.float32(1e-6) * ratio or lobes.cos_o[p] <= ZERO:
             continue
         side = (side[0] / length, side[1] / length, side[2] / length)

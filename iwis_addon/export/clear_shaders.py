@@ -45,9 +45,8 @@ class ClearShaders(SurfaceBuilder):
         self._warn(node, f"{node.bl_label}: {_STRAIGHT}")
         self._ignored(node, groups, "Thin Film Thickness", 0.0, "rendered without thin film")
         weight = self._times(weight, self._builder.color(node, "Color", groups))
-        own = {
-            name.lower(): self._builder.number(node, name, groups) for name in ("IOR", "Roughness")
-        }
+        number = self._builder.number
+        own = {"ior": number(node, "IOR", groups), "roughness": number(node, "Roughness", groups)}
         own["specular_tint"] = WHITE
         self._pane(node, groups, weight, WHITE, self._distribution(node), **own)
 
@@ -60,17 +59,14 @@ class ClearShaders(SurfaceBuilder):
 
         grain: of its metal; glass reflects as if it were round
         """
-        share, metallic = (
-            self._builder.number(node, "Transmission Weight", groups),
-            params["metallic"],
-        )
-        clear_of_metal = is_constant(metallic) and metallic <= 0.0
+        share = self._builder.number(node, "Transmission Weight", groups)
+        metallic = params["metallic"]
         if (is_constant(share) and share <= 0.0) or (is_constant(metallic) and metallic >= 1.0):
             return weight
         self._warn(node, f"Transmission Weight: {_STRAIGHT}")
         rest, clear = self._shares(weight, share)
         distribution = DISTRIBUTIONS[node.distribution]
-        if not clear_of_metal:
+        if not (is_constant(metallic) and metallic <= 0.0):
             clear, metal = self._shares(clear, metallic)
             own = params | {"metallic": ONE}
             self._close(node, groups, metal, PRINCIPLED, distribution, grain, **own)

@@ -68,10 +68,11 @@ class SurfaceBuilder:
     def _grain(self, node, groups, names=("Anisotropy", "Rotation"), model="ASPECT"):
         """Closure.grain of a node with inputs of these names; model: of nodes.layers.grain."""
         anisotropy = self._builder.number(node, names[0], groups)
-        if is_constant(anisotropy, 0.0) or (
-            model == "ASPECT" and is_constant(anisotropy, None) and anisotropy <= 0.0
-        ):
-            return None
+        if is_constant(anisotropy):
+            # Below 0 a Glossy BSDF is stretched the other way, the others are round.
+            used = max(anisotropy, 0.0) if model == "ASPECT" else anisotropy
+            if used == 0.0:
+                return None
         tangent = self._builder.vector_if_linked(node, "Tangent", groups)
         inputs = {
             "Anisotropy": anisotropy,

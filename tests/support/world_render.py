@@ -8,7 +8,7 @@ import numpy as np
 from mathutils import Euler
 
 from iwis.core.environment import eval_environment_many, make_lookup
-from iwis.iwis_addon.export.world import export_world
+from iwis.iwis_addon.export.world import export_world, read_world
 from support.cycles_render import render_cycles
 
 # Asked for is 0.1 %. What is left: Cycles' smallest pixel filter moves a ray by up to .005 pixel,
@@ -177,3 +177,17 @@ def mapped_world(tree, image, vector_type, projection="EQUIRECTANGULAR", **value
     tree.links.new(add(tree, "TexCoord").outputs["Generated"], mapping.inputs["Vector"])
     link(tree, mapping, texture)
     return mapping
+
+
+def read(cache=None, **options):
+    """(world, warnings) of the open scene."""
+    warnings = []
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return read_world(depsgraph, warnings, cache, **options), warnings
+
+
+def noisy_world(tree, **values):
+    """Noise at generated coordinates. Returns the texture and the background."""
+    noise, background = add(tree, "TexNoise", **values), add(tree, "Background")
+    link(tree, noise, background, add(tree, "OutputWorld"))
+    return noise, background
