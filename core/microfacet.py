@@ -156,6 +156,16 @@ def dot_xyz(a, x, y, z):
 
 
 @kernel(forceinline=True)
+def cross(a, b):
+    """a x b, of tuples."""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+@kernel(forceinline=True)
 def half_vector(wo, wi_x, wi_y, wi_z):
     """The unit vector halfway between wo and wi, and wo . h: (x, y, z, cosine)."""
     hx, hy, hz = wo[0] + wi_x, wo[1] + wi_y, wo[2] + wi_z

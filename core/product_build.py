@@ -26,6 +26,7 @@ from .product import (
     SUMS_BEGIN,
 )
 from .pyramid import level_offset
+from .sheen import add_sheen
 
 # Blocks that cells of the base may have; cells of these blocks may have the rest.
 _MAX_FIRST = 24
@@ -34,6 +35,8 @@ _CUT = 0.015
 # Seen flatter than this (cosine), lobes crowd into few cells of the base: up to this part of the
 # samples follows the lobe itself, or a rare one is 70 times too bright.
 _FLAT, _MOST_FLAT = np.float32(0.2), np.float32(0.4)
+# Of the samples of sheen, those that follow its own lobe.
+_SHEEN = np.float32(0.05)
 
 
 class BlockScratch(NamedTuple):
@@ -230,6 +233,9 @@ def build_product(lobes, p, cells, averages, levels, products, scratch):
     matte = _fill_base_lambert(lambert, cells, radius, leaves)
     products.blocks[p], products.follow[p] = 0, 0.0
     if lobes.kind[p] <= DIFFUSE_LOBE:
+        if lobes.rough[p, 3] < np.float32(0.0):
+            add_sheen(lobes, p, cells, radius, leaves)
+            products.follow[p] = _SHEEN
         sum_base(tree)
         return
     gloss = gloss_at(lobes, p)

@@ -7,7 +7,8 @@ linear map of directions [Heitz16]. With wo in the plane of x and z, z = the nor
 
 a, b and R were measured in Cycles' pictures (docs/decisions/0029-sheen.md). Velvet [Ashikhmin00]:
 an inverted Gaussian of facets. Lobes.rough has what either wants, and says which by its last
-number. Samples follow the Lambert lobe.
+number. Samples follow the light times the lobe, as of all others: the cells of the product get the
+factor too; a few follow the fibres alone.
 """
 
 from __future__ import annotations
@@ -18,13 +19,26 @@ import math
 import numpy as np
 
 from ._jit import kernel
-from .microfacet import INV_PI, ONE, PI, QUARTER, TWO, ZERO, dot_xyz, half_vector
+from .microfacet import (
+    INV_PI,
+    ONE,
+    PI,
+    QUARTER,
+    TWO,
+    ZERO,
+    basis,
+    cross,
+    dot_xyz,
+    half_vector,
+    to_world,
+)
 from .sheen_numbers import NUMBERS
 
 # Lobes.rough[3]: (a, b) or (sigma) before it.
 MICROFIBER, VELVET = np.float32(-1.0), np.float32(-2.0)
 _SIDE = 32
 _SMALL = np.float32(1e-5)
+_LEAST = np.float32(0.02)  # of the factor over a cell
 _TINY = np.float32(1e-12)
 
 
@@ -62,30 +76,59 @@ def set_sheen(lobes, fibers: np.ndarray, velvet: np.ndarray, roughness: np.ndarr
 
 
 @kernel(forceinline=True)
-def _microfiber(at, wi_x, wi_y, wi_z):
-    """The factor of Lambert's."""
-    n, wo = at.normal, at.wo
+def _microfiber(n, wo, a, b, wi_x, wi_y, wi_z, spread2):
+    """The factor of Lambert's; spread2: mean square of z about that of wi."""
     z, cos_o = dot_xyz(n, wi_x, wi_y, wi_z), dot_xyz(n, wo[0], wo[1], wo[2])
     sin_o = math.sqrt(max(ONE - cos_o * cos_o, _TINY))
     x = (dot_xyz(wo, wi_x, wi_y, wi_z) - z * cos_o) / sin_o
-    a, b = at.rough[0], at.rough[1]
     y2 = max(ONE - z * z - x * x, ZERO)
     bent = a * x + b * z
-    ratio = a / max(bent * bent + a * a * y2 + z * z, _TINY)
+    ratio = a / max(bent * bent + a * a * y2 + z * z + spread2, _TINY)
     return ratio * ratio
 
 
 @kernel(forceinline=True)
-def _velvet(at, wi_x, wi_y, wi_z):
-    """The factor of Lambert's."""
+def _microfiber_at(at, wi_x, wi_y, wi_z):
+    return _microfiber(at.normal, at.wo, at.rough[0], at.rough[1], wi_x, wi_y, wi_z, ZERO)
+
+
+@kernel(forceinline=True)
+def pdf_microfiber(at, wi_x, wi_y, wi_z):
+    """The density of sample_microfiber, sr^-1: the lobe itself."""
+    z = dot_xyz(at.normal, wi_x, wi_y, wi_z)
+    return max(z, ZERO) * INV_PI * _microfiber_at(at, wi_x, wi_y, wi_z)
+
+
+@kernel(forceinline=True)
+def sample_microfiber(at, u1, u2):
+    """A direction by the lobe: one of Lambert's, under the inverse of the map."""
     n, wo = at.normal, at.wo
+    cos_o = dot_xyz(n, wo[0], wo[1], wo[2])
+    along = (wo[0] - cos_o * n[0], wo[1] - cos_o * n[1], wo[2] - cos_o * n[2])
+    length2 = dot_xyz(along, along[0], along[1], along[2])
+    s, t = basis(n)
+    if length2 > _TINY:
+        scale = ONE / math.sqrt(length2)
+        s = (along[0] * scale, along[1] * scale, along[2] * scale)
+        t = cross(n, s)
+    a, b = max(at.rough[0], _SMALL), at.rough[1]
+    r, phi = math.sqrt(u1), TWO * PI * u2
+    z = math.sqrt(max(ONE - u1, _TINY))
+    x, y = (r * math.cos(phi) - b * z) / a, r * math.sin(phi) / a
+    scale = ONE / math.sqrt(x * x + y * y + z * z)
+    return to_world(s, t, n, x * scale, y * scale, z * scale)
+
+
+@kernel(forceinline=True)
+def _velvet(n, wo, sigma, wi_x, wi_y, wi_z):
+    """The factor of Lambert's."""
     cos_i, cos_o = dot_xyz(n, wi_x, wi_y, wi_z), dot_xyz(n, wo[0], wo[1], wo[2])
     hx, hy, hz, half = half_vector(wo, wi_x, wi_y, wi_z)
     cos_h = dot_xyz(n, hx, hy, hz)
     if cos_i <= ZERO or cos_o <= ZERO or cos_h >= ONE - _SMALL or half <= _SMALL:
         return ZERO
     sin2 = ONE - cos_h * cos_h
-    width = ONE / (at.rough[0] * at.rough[0])
+    width = ONE / (sigma * sigma)
     facets = math.exp(-cos_h * cos_h / sin2 * width) * width * INV_PI / (sin2 * sin2)
     seen = min(ONE, TWO * cos_h / half * min(cos_i, cos_o))
     return PI * QUARTER * facets * seen / (cos_i * cos_o)
@@ -95,8 +138,28 @@ def _velvet(at, wi_x, wi_y, wi_z):
 def sheen(at, wi_x, wi_y, wi_z, value):
     """eval_lobes_at's value with its Lambert lobe made sheen: at.rough[3] is below 0."""
     if at.rough[3] == MICROFIBER:
-        gain = _microfiber(at, wi_x, wi_y, wi_z)
+        gain = _microfiber_at(at, wi_x, wi_y, wi_z)
     else:
-        gain = _velvet(at, wi_x, wi_y, wi_z)
+        gain = _velvet(at.normal, at.wo, at.rough[0], wi_x, wi_y, wi_z)
     dr, dg, db, gr, gg, gb = value
     return dr * gain, dg * gain, db * gain, gr, gg, gb
+
+
+@kernel
+def add_sheen(lobes, p, cells, radius, values):
+    """Give the Lambert lobe's values over cells, float32 (n,), row p's factor: its sum then is
+    another.
+
+    cells: ProductCells; radius: of a disc of a cell's solid angle
+    """
+    n, wo, rough = lobes.normal[p], lobes.wo[p], lobes.rough[p]
+    n, wo = (n[0], n[1], n[2]), (wo[0], wo[1], wo[2])
+    spread2 = QUARTER * radius * radius
+    for r in range(len(values)):
+        if values[r] <= ZERO:
+            continue
+        x, y, z = cells.x[r], cells.y[r], cells.z[r]
+        if rough[3] == MICROFIBER:
+            values[r] *= _microfiber(n, wo, rough[0], rough[1], x, y, z, spread2)
+        else:  # no cell with a part above the horizon may be left out
+            values[r] *= max(_velvet(n, wo, rough[0], x, y, z), _LEAST)

@@ -20,6 +20,7 @@ from .microfacet import (
     ZERO,
     beckmann_d,
     beckmann_lambda,
+    cross,
     dot_xyz,
     ggx_d,
     ggx_lambda,
@@ -28,16 +29,6 @@ from .microfacet import (
 from .scene import BECKMANN
 
 _TINY = np.float32(1e-12)
-
-
-@kernel(forceinline=True)
-def cross(a, b):
-    """a x b, of tuples."""
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
 
 
 @kernel(forceinline=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .brdf import eval_lobes_at, pdf_round_at
+from .brdf import eval_lobes_at, pdf_narrowest_at, pdf_round_at
 from .bump import bump_gain
 from .environment import eval_map
 from .lanes import BLUE, DIFFUSE, DX, DY, DZ, GLOSSY, GREEN, LANES, OX, OY, OZ, PDF, RED, U, V
@@ -135,10 +135,10 @@ def _shadow_bumps(at, numbers, s, end):
 
 @kernel
 def _weigh_rough(at, share, numbers, s, end):
-    """The same for a point whose Lambert lobe is rough, with gloss or without."""
+    """The same for a point whose Lambert lobe is rough or sheen, with gloss or without."""
     for k in range(s, end):
         wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
-        pdf = share * pdf_round_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
+        pdf = share * pdf_narrowest_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
         value = eval_lobes_at(at, wx, wy, wz)
         _write_light(numbers, k, pdf, roughened(at, wx, wy, wz, value))
 

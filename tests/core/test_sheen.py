@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+from iwis.core._jit import kernel
+from iwis.core.brdf import pdf_narrowest_at, sample_narrowest_at
+from iwis.core.lobes_at import lobes_at
 from iwis.core.nodes.layers import under_sheen
 from iwis.core.scene import DIFFUSE
 from iwis.core.sheen import microfiber, set_sheen
@@ -30,6 +33,43 @@ def test_fibers_reflect_what_the_table_says(roughness):
     quadrature = sphere_quadrature(512, 1024)
     found = [reflected(lobes, p, quadrature=quadrature)[0] for p in range(3)]
     np.testing.assert_allclose(found, share, rtol=5e-3, atol=1e-4)
+
+
+@kernel
+def _narrowest(lobes, p, u, out):
+    at = lobes_at(lobes, p)
+    for i in range(len(u)):
+        x, y, z = sample_narrowest_at(at, u[i, 0], u[i, 1])
+        out[i, 0], out[i, 1], out[i, 2] = x, y, z
+
+
+@kernel
+def _density(lobes, p, wi, out):
+    at = lobes_at(lobes, p)
+    for i in range(len(wi)):
+        out[i] = pdf_narrowest_at(at, wi[i, 0], wi[i, 1], wi[i, 2])
+
+
+@pytest.mark.parametrize("roughness", [0.2, 0.5, 1.0])
+def test_samples_of_fibers_follow_the_lobe(roughness, rng):
+    """Their density integrates to 1, and BRDF x cosine over it is R, whatever the direction."""
+    lobes = _lobes("fibers", roughness)
+    share = microfiber(np.float32(_COSINES), np.full(3, roughness, np.float32))[2]
+    wi, solid_angle = sphere_quadrature(512, 1024)
+    density, found = np.empty(len(wi), np.float32), np.empty((5000, 3), np.float32)
+    own = np.empty(len(found), np.float32)
+    for p in range(3):
+        _density(lobes, p, wi, density)
+        assert abs(solid_angle.astype(np.float64) @ density - 1.0) < 5e-3
+        _narrowest(lobes, p, rng.random((len(found), 2), np.float32), found)
+        np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1.0, rtol=1e-4)
+        _density(lobes, p, found, own)
+        value = evaluated(lobes, p, found)[:, 0]
+        np.testing.assert_allclose(value, lobes.diffuse[p, 0] * own, rtol=1e-3)
+        # Means of directions by samples and by the density: 5 standard errors of 5000.
+        mean = (solid_angle * density).astype(np.float64) @ wi
+        assert np.abs(found.mean(0) - mean).max() < 5.0 / np.sqrt(len(found))
+        assert abs(lobes.diffuse[p, 0] / share[p] - 1.0) < 1e-5
 
 
 def test_table_is_read_between_its_nodes():
