@@ -40,7 +40,8 @@ class CellGloss(NamedTuple):
     """A point's glossy lobe, as float32: Smith shadowing, Schlick's curve between two ends.
 
     normal, wo: triples; side, along: triples, a frame with normal; side is normal to wo too
-    cos_o, along_o, lambda_o: of wo; alpha2: width squared
+    cos_o, along_o, lambda_o: of wo; alpha2: width squared, where it is stretched of both widths
+    in_plane, mixed, across: the facets' covariance, entries of a matrix over along and side
     kept: the part of the lobe's core that the product holds, less than 1 where it is narrow
     head_on, grazing: luminance of the reflectance
     """
@@ -53,6 +54,9 @@ class CellGloss(NamedTuple):
     along_o: np.float32
     lambda_o: np.float32
     alpha2: np.float32
+    in_plane: np.float32
+    mixed: np.float32
+    across: np.float32
     kept: np.float32
     head_on: np.float32
     grazing: np.float32
@@ -92,12 +96,20 @@ def gloss_at(lobes, p):
         w, f0 = lobes.weight[p, curve], lobes.f0[p, curve]
         head_on += luminance(w[0] * f0[0], w[1] * f0[1], w[2] * f0[2])
         grazing += luminance(w[0], w[1], w[2])
-    alpha2 = lobes.alpha[p] * lobes.alpha[p]
+    alpha2 = in_plane = across = lobes.alpha[p] * lobes.alpha[p]
+    mixed = ZERO
+    if lobes.narrow[p] > ZERO:
+        t = lobes.tangent[p]
+        wide2, narrow2 = alpha2, lobes.narrow[p] * lobes.narrow[p]
+        c, s = _dot((t[0], t[1], t[2]), along), _dot((t[0], t[1], t[2]), side)
+        in_plane, across = c * c * wide2 + s * s * narrow2, s * s * wide2 + c * c * narrow2
+        mixed, alpha2 = c * s * (wide2 - narrow2), np.sqrt(wide2 * narrow2)
     kept = alpha2 / (alpha2 + _CELL_ALPHA2)
     cos_o = max(lobes.cos_o[p], np.float32(1e-3))
     lambda_o = np.sqrt(alpha2 + (ONE - alpha2) * cos_o * cos_o)
     frame = (normal, wo, side, along)
-    return CellGloss(*frame, cos_o, _dot(along, wo), lambda_o, alpha2, kept, head_on, grazing)
+    widths = alpha2, in_plane, mixed, across
+    return CellGloss(*frame, cos_o, _dot(along, wo), lambda_o, *widths, kept, head_on, grazing)
 
 
 @kernel(forceinline=True)
@@ -137,7 +149,8 @@ def add_gloss(lobe, x, y, z, light, n, radius, scale, values, spread):
     alpha2, cos_o = lobe.alpha2, lobe.cos_o
     quarter, gain = QUARTER / radius, np.float32(0.5 / math.pi) * scale
     wide = QUARTER * radius * radius
-    in_plane = alpha2 + wide
+    in_plane, twice_mixed = lobe.in_plane + wide, lobe.mixed + lobe.mixed
+    mixed2 = lobe.mixed * lobe.mixed
     lobe_oh = max(cos_o, np.sqrt(alpha2))  # wo . h where the lobe is, if that is in the cell
     for r in range(n):
         cosine = x[r] * nx + y[r] * ny + z[r] * nz
@@ -150,11 +163,13 @@ def add_gloss(lobe, x, y, z, light, n, radius, scale, values, spread):
         nh = (cosine if cosine > radius else HALF * max(cosine + radius, ZERO)) + cos_o
         th = x[r] * tx + y[r] * ty + z[r] * tz
         ah = x[r] * ax + y[r] * ay + z[r] * az + lobe.along_o
-        nh2, th2, ah2 = nh * nh * per_h2, th * th * per_h2, ah * ah * per_h2
+        nh2 = nh * nh * per_h2
         low = max(oh - HALF * radius, min(oh, lobe_oh))
         apart = wide / (low * low)
-        across = alpha2 + apart
-        slope2 = ah2 / in_plane + th2 / across
+        across = lobe.across + apart
+        area2 = in_plane * across - mixed2
+        bent = ah * ah * across + th * th * in_plane - ah * th * twice_mixed
+        slope2 = per_h2 * bent / area2
         d = slope2 + nh2
         miss = ONE - oh
         miss2 = miss * miss
@@ -163,7 +178,7 @@ def add_gloss(lobe, x, y, z, light, n, radius, scale, values, spread):
         # Where the cell's edges stand on the curve of D, in widths of the lobe.
         slope, reach = np.sqrt(slope2), np.sqrt(wide / in_plane + apart / across)
         far, near = slope + reach, max(slope - reach, ZERO)
-        widths = np.sqrt(in_plane * across)
+        widths = np.sqrt(area2)
         # Far from a lobe that is narrower than the cell, its own tail: a widened one is heavier.
         tail = alpha2 * nh2 + near * near * widths
         density = min(lobe.kept / (widths * d * d), alpha2 / (tail * tail))

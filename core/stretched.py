@@ -1,8 +1,9 @@
 """Glossy lobes that are wider along one tangent than across it: brushed metal, records, hair.
 
 Facets have slopes of width alpha_x along the tangent and alpha_y across it [Heitz14, section 5.3].
-Lobes.alpha is the greater one, and the tangent its axis: a round lobe of that width covers the
-stretched one, so that the light's cells are chosen by it. What follows the lobe itself is exact.
+Lobes.alpha is the greater one, and the tangent its axis. The value is that of a round lobe of that
+width, which covers the stretched one, times a factor; the cells of the product know both widths
+(lobe_cells.py).
 """
 
 from __future__ import annotations
