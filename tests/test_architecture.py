@@ -34,6 +34,7 @@ MAY_IMPORT_OF_CORE = {
     | {
         "lamps",
         "emitters",
+        "islands",
         "object_motion",
         "nodes",
         "nodes/hashing",

@@ -167,9 +167,8 @@ class ShadeContext:
         flipped = self.surface.mirrored[self.object]
         u, v = np.where(flipped, v, u), np.where(flipped, u, v)
         corners = table[row]
-        value = (1.0 - u - v)[:, None] * corners[:, 0]
-        value += u[:, None] * corners[:, 1]
-        value += v[:, None] * corners[:, 2]
+        first = corners[:, 0]  # by differences: what is equal at all three corners stays as it is
+        value = first + u[:, None] * (corners[:, 1] - first) + v[:, None] * (corners[:, 2] - first)
         value[row < 0] = 0.0
         return value
 

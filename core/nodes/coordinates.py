@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..panorama_places import panorama_places, space_axes
+from .element_info import element_number
 from .values import column, divided, dot, length, normalized, parts, vector
 
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
@@ -160,8 +161,8 @@ def geometry(context, settings, inputs):
         "Backfacing": lambda: context.backfacing,
         "Parametric": lambda: _parametric(context),
         "Tangent": lambda: _default_tangent(context),
-        "Pointiness": lambda: np.float32(0.5),
-        "Random Per Island": lambda: _ZERO,
+        "Pointiness": lambda: element_number(context, "Pointiness"),
+        "Random Per Island": lambda: element_number(context, "Random Per Island"),
     }
     return {name: values[name]() for name in settings["outputs"]}
 
@@ -171,7 +172,7 @@ def _parametric(context):
     u, v = context.barycentric[:, 0], context.barycentric[:, 1]
     flipped = context.surface.mirrored[context.object]
     u, v = np.where(flipped, v, u), np.where(flipped, u, v)
-    return vector(u, v, 0.0 * u)
+    return vector(1.0 - u - v, u, 0.0 * u)
 
 
 def _default_tangent(context):

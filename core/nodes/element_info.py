@@ -9,14 +9,15 @@ from .values import column, dot, length, normalized
 _OF_ONE_AXIS = np.float32(3.0**-0.5)
 
 
-def _number(context, name):
+def element_number(context, name: str) -> np.ndarray:
+    """float32 (n,): a number of points, strands or a mesh; 0 where it has none of the name."""
     value = context.attribute(f"element:{name}")
     return np.zeros(len(context), np.float32) if value is None else value[:, 0]
 
 
 def _size(context, name):
     """A size in the object's space, in the world's."""
-    size = column(_number(context, name) * _OF_ONE_AXIS)
+    size = column(element_number(context, name) * _OF_ONE_AXIS)
     return length(context.vector_to_world(np.repeat(size, 3, -1)))
 
 
@@ -35,19 +36,19 @@ def _point_position(context):
     if place is None:
         return np.zeros((len(context), 3), np.float32)
     origin = context.surface.object_to_world[context.object][:, :3, 3].astype(np.float32)
-    there = column(_number(context, "Radius")) > 0.0
+    there = column(element_number(context, "Radius")) > 0.0
     return np.where(there, context.vector_to_world(place) + origin, np.float32(0.0))
 
 
 def curves_info(context, settings, inputs):
     """settings: outputs, those that are used"""
     values = {
-        "Is Strand": lambda: _number(context, "Is Strand"),
-        "Intercept": lambda: _number(context, "Intercept"),
-        "Length": lambda: _number(context, "Length"),
+        "Is Strand": lambda: element_number(context, "Is Strand"),
+        "Intercept": lambda: element_number(context, "Intercept"),
+        "Length": lambda: element_number(context, "Length"),
         "Thickness": lambda: _size(context, "Thickness"),
         "Tangent Normal": lambda: _tangent_normal(context),
-        "Random": lambda: _number(context, "Random"),
+        "Random": lambda: element_number(context, "Random"),
     }
     return {name: values[name]() for name in settings["outputs"]}
 
@@ -57,7 +58,7 @@ def point_info(context, settings, inputs):
     values = {
         "Position": lambda: _point_position(context),
         "Radius": lambda: _size(context, "Radius"),
-        "Random": lambda: _number(context, "Random"),
+        "Random": lambda: element_number(context, "Random"),
     }
     return {name: values[name]() for name in settings["outputs"]}
 

@@ -3,7 +3,8 @@
 A source has rows (one a point, or one a ring of a tube); a corner of a triangle names its row
 (LocalMesh.corners). Names are those of surface_data.py, and
 
-    element:NAME   the output of the nodes Curves Info and Point Info of that name (element_info.py)
+    element:NAME   the output of that name of the nodes Curves Info and Point Info
+                   (element_info.py), and of a mesh of the Geometry node (mesh_shape.py)
 """
 
 from __future__ import annotations
@@ -50,10 +51,14 @@ def attribute_values(attribute) -> np.ndarray:
     return read_values(attribute.data, *READ[attribute.data_type]).astype(np.float32)
 
 
+def random_of_words(words: np.ndarray) -> np.ndarray:
+    """float32 (n, 1) in [0, 1] of hashes, uint32 (n,)."""
+    return (words / np.float64(0xFFFFFFFF)).astype(np.float32)[:, None]
+
+
 def random_of_rows(n: int) -> np.ndarray:
     """float32 (n, 1): what Cycles gives points and strands by their number."""
-    words = hash_words(np.arange(n, dtype=np.uint32), np.zeros(n, np.uint32))
-    return (words / np.float64(0xFFFFFFFF)).astype(np.float32)[:, None]
+    return random_of_words(hash_words(np.arange(n, dtype=np.uint32), np.zeros(n, np.uint32)))
 
 
 class ElementReader(NamedTuple):

@@ -28,6 +28,8 @@ class LocalMesh(NamedTuple):
         its source (element_values.py)
     digest: bytes that two meshes share only if all of the above is equal; empty if not asked for
     round: whether the triangles stand for points or strands, which are as round as their normals
+    radial: whether normals lead away from a centre, and turn and stretch as that does (as those of
+        Cycles' points, which keep pointing away from it on what a scale makes an ellipsoid)
     """
 
     positions: np.ndarray
@@ -39,6 +41,7 @@ class LocalMesh(NamedTuple):
     corners: np.ndarray
     digest: bytes
     round: bool = False
+    radial: bool = False
 
 
 def session_uid(data) -> int:

@@ -26,6 +26,7 @@ from .triangle_normals import geometric_normals, make_unit, squared_lengths, usa
 
 # Vertices or triangles worked on at a time: their arrays stay in the processor's cache.
 CHUNK = 1 << 16
+_WITHOUT_PLACE = np.float32([1.0, 1.0, 1.0, 0.0])
 
 
 def _transform(matrices, points, out):
@@ -169,16 +170,17 @@ class _Writer:
         vertices = slice(vertex, vertex + k * n)
         _transform(matrices, part.positions, self.mesh.vertices[vertices].reshape(k, n, 3))
         triangles = slice(triangle, triangle + k * m)
-        self._write_normals(part, _order(mirrored), shared, cofactors, triangles)
+        turns = matrices * _WITHOUT_PLACE if part.radial else cofactors
+        self._write_normals(part, _order(mirrored), shared, turns, triangles)
 
-    def _write_normals(self, part, order, shared, cofactors, triangles):
-        k = len(cofactors)
+    def _write_normals(self, part, order, shared, turns, triangles):
+        k = len(turns)
         out = self.mesh.corner_normals[triangles].reshape(k, -1, 3, 3)
         if part.normals is None:
             out[:] = 0.0
             return
         normals = np.empty((k, *part.normals.shape), np.float32)
-        _transform(cofactors, part.normals, normals)
+        _transform(turns, part.normals, normals)
         if not shared:
             make_unit(normals)
         # "clip": with bounds checks, take() would go through a buffer as large as out.

@@ -84,5 +84,6 @@ def read_point_cloud(name: str, data, known: dict[bytes, LocalMesh] | None) -> L
         None,
         np.broadcast_to(rows[:, None], (len(rows), 3)),
         digest,
-        True,
+        round=True,
+        radial=True,
     )

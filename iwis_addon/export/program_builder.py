@@ -23,18 +23,13 @@ _TYPES = {
     "RGBA": "COLOR",
 }
 _ZERO = np.float32(0.0)
-# Nodes that tell of strands and points -> output -> the values that it needs (element_values.py),
-# where that is not the one of its name.
+# Nodes that tell of strands, points or a mesh's shape -> output -> the values that it needs
+# (element_values.py), where that is not the one of its name.
 _ELEMENTS = {
     "ShaderNodeHairInfo": {"Tangent Normal": ("Tangent",)},
     "ShaderNodePointInfo": {"Position": ("Position", "Radius")},
 }
-# Outputs of the Geometry node, and what stands in for them.
-_NOT_KNOWN = {
-    "Parametric": "other corners are counted than in Cycles",
-    "Pointiness": "0.5 everywhere",
-    "Random Per Island": "0 everywhere",
-}
+_OF_THE_SHAPE = ("Pointiness", "Random Per Island")
 
 
 def constant_of(socket) -> np.ndarray | None:
@@ -185,8 +180,8 @@ class ProgramBuilder:
             self.requests.update(f"element:{name}" for name in names)
         elif node.bl_idname == "ShaderNodeNewGeometry" and output == "Tangent":
             self.requests.add("generated")
-        elif node.bl_idname == "ShaderNodeNewGeometry" and output in _NOT_KNOWN:
-            self.reader.warn(node, f"{output} is not supported: {_NOT_KNOWN[output]}")
+        elif node.bl_idname == "ShaderNodeNewGeometry" and output in _OF_THE_SHAPE:
+            self.requests.add(f"element:{output}")
 
     def _made(self, node, groups):
         """Row of a node's operation, or its constant outputs; None if it is not supported."""

@@ -7,6 +7,7 @@ node's Alpha is used. Texels in sRGB are decoded after that.
 from __future__ import annotations
 
 import os
+import tempfile
 
 import bpy
 import numpy as np
@@ -71,25 +72,41 @@ def _read_image(image, image_user) -> ImageTiles:
 
 
 def _read_tiles(image, image_user) -> ImageTiles:
-    """The tiles of a UDIM image, each from its own file."""
-    if image.packed_files:
-        raise ImageError(f"image {image.name!r} has packed tiles, which cannot be read: unpack it")
-    pattern = bpy.path.abspath(image.filepath_raw, library=image.library)
+    """The tiles of a UDIM image, each from its own file, or from what is packed."""
+    packed = {entry.tile_number: entry for entry in image.packed_files}
     tiles, encoded = {}, False
-    for tile in image.tiles:
-        number = tile.number - _FIRST_TILE
-        path = pattern.replace("<UDIM>", str(tile.number))
-        path = path.replace("<UVTILE>", f"u{number % 10 + 1}_v{number // 10 + 1}")
-        if not os.path.exists(path):
-            raise ImageError(f"image {image.name!r}: there is no file {path} of tile {tile.number}")
-        loaded = bpy.data.images.load(path)
-        try:
-            loaded.colorspace_settings.name = image.colorspace_settings.name
-            loaded.alpha_mode = image.alpha_mode
-            tiles[number % 10, number // 10], encoded = _read_rgba(loaded, None)
-        finally:
-            bpy.data.images.remove(loaded)
+    with tempfile.TemporaryDirectory(prefix="iwis-tiles-") as folder:
+        for tile in image.tiles:
+            number = tile.number - _FIRST_TILE
+            path = _tile_path(image, number)
+            if tile.number in packed:
+                path = os.path.join(folder, os.path.basename(path))
+                with open(path, "wb") as file:
+                    file.write(packed[tile.number].packed_file.data)
+            elif not os.path.exists(path):
+                why = f"there is no file {path} of tile {tile.number}"
+                raise ImageError(f"image {image.name!r}: {why}")
+            tiles[number % 10, number // 10], encoded = _read_tile(image, path, bool(packed))
     return ImageTiles(tiles, encoded)
+
+
+def _tile_path(image, number: int) -> str:
+    """The file of a tile, counted from 0."""
+    path = bpy.path.abspath(image.filepath_raw, library=image.library)
+    path = path.replace("<UDIM>", str(number + _FIRST_TILE))
+    return path.replace("<UVTILE>", f"u{number % 10 + 1}_v{number // 10 + 1}")
+
+
+def _read_tile(image, path: str, packed: bool):
+    loaded = bpy.data.images.load(path)
+    try:
+        loaded.colorspace_settings.name = image.colorspace_settings.name
+        loaded.alpha_mode = image.alpha_mode
+        if packed:
+            loaded.pack()
+        return _read_rgba(loaded, None)
+    finally:
+        bpy.data.images.remove(loaded)
 
 
 def _read_rgba(image, image_user) -> tuple[np.ndarray, bool]:

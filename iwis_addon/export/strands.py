@@ -159,5 +159,5 @@ def _tubes(strands, shape, slots, digest) -> LocalMesh | None:
         slots,
         made.ring[made.triangles],
         digest,
-        True,
+        round=True,
     )

@@ -6,7 +6,7 @@ many instances it has; each triangle of the scene knows its row.
     uv:NAME         a UV map; "uv:" is the active one     color:NAME   a colour attribute, likewise
     generated       Blender's generated coordinates       tangent:NAME a UV map's tangents, and sign
     attribute:NAME  any attribute                         object:NAME  a property of the object
-    element:NAME    of points and strands (element_values.py)
+    element:NAME    of points and strands (element_values.py), and of a mesh's shape
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from ...core.scene import TriangleMesh
 from .element_values import READ, ElementReader
 from .element_values import read_values as _get
 from .instances import Inventory
+from .mesh_shape import islands, pointiness
 
 
 def surface_data(
@@ -167,7 +168,11 @@ class _MeshReader:
         size = np.where(size != 0.0, size, 1.0)
         return self._of_points(((values - location) / (2.0 * size) + 0.5).astype(np.float32))
 
-    def _element(self, _):
+    def _element(self, name):
+        if name == "Pointiness":
+            return self._of_points(pointiness(self._mesh))
+        if name == "Random Per Island":
+            return self._of_points(islands(self._mesh))
         return None  # of points and strands alone
 
     def _tangent(self, name):

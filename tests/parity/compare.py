@@ -45,6 +45,7 @@ class Result(NamedTuple):
 def run_case(case: Case, folder: Path) -> Result:
     """Build, render and compare."""
     scene, tree = empty_scene(case.lit)
+    scene.render.filepath = str(folder / "case")  # what a case writes goes there
     case.build(scene, tree)
     ours = [_render_iwis(scene, seed, folder, case) for seed in range(case.renders)]
     warnings = RenderJob.get().records[-1].stats.warnings

@@ -1,6 +1,8 @@
 """Coordinates, attributes and what depends on the view."""
 
-from .cases import shown
+import bpy
+
+from .cases import CASES, Case, shown
 
 
 def _set(node, name, value):
@@ -23,6 +25,8 @@ for _name in (
     "Backfacing",
     "Parametric",
     "Tangent",
+    "Pointiness",
+    "Random Per Island",
 ):
     shown(
         f"Geometry {_name}",
@@ -33,6 +37,28 @@ for _name in (
             operation="ABSOLUTE",
         ),
     )
+
+
+def _of_one_mesh(name, output, **place):
+    """All objects of the scene are joined, their edges split; place: of what comes of it."""
+
+    def build(scene, tree):
+        tree.glow(tree.made("ShaderNodeNewGeometry", output))
+        objects = [obj for obj in scene.objects if obj.type == "MESH"]
+        with bpy.context.temp_override(
+            active_object=objects[0], object=objects[0], selected_editable_objects=objects
+        ):
+            bpy.ops.object.join()
+        for key, value in place.items():
+            setattr(objects[0], key, value)
+        objects[0].modifiers.new("Split", "EDGE_SPLIT").split_angle = 0.7
+
+    CASES.append(Case(name, build))
+
+
+_of_one_mesh("Geometry Random Per Island, one mesh", "Random Per Island")
+_of_one_mesh("Geometry Pointiness, split edges", "Pointiness", scale=(1.0, 0.8, 1.2))
+_of_one_mesh("Geometry Parametric, mirrored", "Parametric", scale=(1.0, 1.0, -1.0))
 for _name in ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random"):
     shown(
         f"Object Info {_name}",

@@ -103,6 +103,26 @@ def _points(name, material, count=60, size=(0.06, 0.3), lit=True, **place):
     _case(f"Points, {name}", build, lit)
 
 
+def _instanced_points(name, material):
+    """Scaled unevenly and there twice: of a single one Cycles makes round spheres."""
+
+    def build(scene, tree):
+        material(tree)
+        rng = np.random.default_rng(3)
+        places = rng.uniform((-2.0, -1.0, -0.9), (2.0, 1.5, 0.9), (40, 3)).astype(np.float32)
+        points = add_points(_without_solids(scene), places, np.full(40, 0.2, np.float32))
+        points.users_collection[0].objects.unlink(points)
+        group = bpy.data.collections.new("Points")
+        group.objects.link(points)
+        for x in (-0.7, 0.9):
+            twin = bpy.data.objects.new("Twin", None)
+            twin.instance_type, twin.instance_collection = "COLLECTION", group
+            twin.scale, twin.location.x = (0.6, 0.4, 0.9), x
+            scene.collection.objects.link(twin)
+
+    _case(f"Points, {name}", build)
+
+
 def add_curves(material, places, radii, **place):
     """A hair curves object. places: float32 (strands, keys, 3); radii: float32 (strands, keys)"""
     strands, keys = radii.shape
@@ -170,6 +190,7 @@ _points("diffuse", _matte)
 _points("Principled, rough metal", _metal)
 _points("plastic, many small", _plastic, count=3000, size=(0.02, 0.06))
 _points("scaled and turned", _matte, scale=(1.0, 0.6, 0.8), rotation_euler=(0.2, 0.3, 0.5))
+_instanced_points("scaled unevenly, two instances", _matte)
 _points("colour attribute", _attribute("tint"), lit=False)
 _points("Point Info Position", _info("ShaderNodePointInfo", "Position"), lit=False)
 _points("Point Info Radius", _info("ShaderNodePointInfo", "Radius", 4.0), lit=False)

@@ -1,6 +1,12 @@
 """Image Texture: projections, interpolation, extension, alpha, colour spaces."""
 
-from .cases import shown
+import shutil
+import tempfile
+from pathlib import Path
+
+import bpy
+
+from .cases import CASES, Case, shown
 from .scene import picture
 
 
@@ -51,3 +57,51 @@ for _mode in ("STRAIGHT", "CHANNEL_PACKED", "NONE", "PREMUL"):
 shown("Image Texture float", _image(float_buffer=True, space="Linear Rec.709"))
 shown("Image Texture, no coordinates", lambda t: t.made("ShaderNodeTexImage", 0, image=picture()))
 shown("Image Texture, no image", lambda t: t.made("ShaderNodeTexImage", 0), warns="no image")
+
+
+def _tiles(name, packed=False, **settings):
+    """A UDIM image of three tiles of two sizes, one of them with a hole, and a tile too few."""
+
+    def build(scene, tree):
+        folder = Path(tempfile.mkdtemp(dir=Path(scene.render.filepath).parent))
+        for number, (width, height) in {1001: (16, 12), 1002: (8, 12), 1011: (16, 12)}.items():
+            tile = picture(f"T{number}", number == 1011, width=width, height=height)
+            tile.filepath_raw, tile.file_format = str(folder / f"t.{number}.png"), "PNG"
+            tile.save()
+        image = bpy.data.images.load(str(folder / "t.1001.png"))
+        image.source, image.filepath_raw = "TILED", str(folder / "t.<UDIM>.png")
+        for number in (1002, 1011):
+            image.tiles.new(number)
+        if packed:
+            image.pack()
+            shutil.rmtree(folder)
+        uv = tree.made(
+            "ShaderNodeVectorMath", 0, {0: tree.coordinates("UV"), "Scale": 2.2}, operation="SCALE"
+        )
+        tree.glow(tree.made("ShaderNodeTexImage", 0, {0: uv}, image=image, **settings))
+
+    CASES.append(Case(name, build))
+
+
+_tiles("Image Texture UDIM")
+_tiles("Image Texture UDIM Closest", interpolation="Closest")
+_tiles("Image Texture UDIM packed", packed=True)
+
+
+def _sequence(scene, tree):
+    """The second of three frames."""
+    folder = Path(tempfile.mkdtemp(dir=Path(scene.render.filepath).parent))
+    for number, height in enumerate((6, 12, 9), 1):
+        frame = picture(f"F{number}", height=height)
+        frame.filepath_raw, frame.file_format = str(folder / f"f{number:04d}.png"), "PNG"
+        frame.save()
+    image = bpy.data.images.load(str(folder / "f0001.png"))
+    image.source = "SEQUENCE"
+    node = tree.node("ShaderNodeTexImage", image=image)
+    node.image_user.frame_duration, node.image_user.use_auto_refresh = 3, True
+    scene.frame_set(2)
+    tree.link(tree.coordinates("UV"), node.inputs[0])
+    tree.glow(node.outputs[0])
+
+
+CASES.append(Case("Image Texture sequence", _sequence))

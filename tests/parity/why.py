@@ -7,6 +7,10 @@ _BUMP = "likely heights asked for a little elsewhere: pixels scatter, means of 4
 _HORIZON = "one row of pixels, in which the sky triples within two texels of .18 degrees"
 _FINE = "highlights and strands finer than a pixel; tones agree"
 _RIBBONS = "Cycles' flat ribbons face the ray and end in a line: less of them is seen from above"
+_ELLIPSOIDS = (
+    "Cycles' ellipsoids do not shadow themselves, though their normals lead away from the centre: "
+    "likely light from below the true surface"
+)
 _CONES = "Cycles' linear curves have round joints and ends"
 
 _STRAIGHT = "with direct light alone Cycles is black where a refracted ray ends in the body"
@@ -21,7 +25,8 @@ WHY = {
     "Glass, rough": _STRAIGHT,
     "Principled, transmission": _STRAIGHT,
     "Points, plastic, many small": _FINE,
-    "Points, scaled and turned": "not known; on spheres that an uneven scale makes ellipsoids",
+    "Points, scaled and turned": _ELLIPSOIDS,
+    "Points, scaled unevenly, two instances": _ELLIPSOIDS,
     "Curves, diffuse, radius varies, ribbons": _RIBBONS,
     "Curves, matte, many thin ribbons": _RIBBONS,
     "Curves, diffuse, linear 3D": _CONES,
@@ -33,7 +38,6 @@ WHY = {
     "Particle hair, plastic, children": _FINE,
     "Particle hair, strand shape, closed tip": _FINE,
     "Particle hair, Intercept": _FINE,
-    "Geometry Parametric": "IWIS has no barycentric coordinates for shaders",
     "Geometry Tangent": "at the poles of the sphere's own direction only",
     "Principled, roughness varies": _EDGES,
     "Principled, specular varies": _EDGES,
