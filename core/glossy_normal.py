@@ -17,8 +17,9 @@ def dot(a, b):
 
 
 @kernel
-def set_glossy_normal(geometric_normal, facing, p, out):
+def set_glossy_normal(geometric_normal, facing, as_turned, p, out):
     """Write the normal nearest to the shading normal whose mirrored wo clears the surface.
+    as_turned: write the shading normal itself
 
     In the plane of both normals, n = (sin a, cos a) with the geometric normal at a = 0, the
     mirrored wo stands at height wo_x sin 2a + wo_z cos 2a. It must reach ``height``, so that
@@ -32,7 +33,7 @@ def set_glossy_normal(geometric_normal, facing, p, out):
     n_z = dot(geometric_normal, n) * facing
     height = min(np.float32(0.9) * wo_z, np.float32(0.01))
     side2 = ONE - n_z * n_z
-    if TWO * cos_o * n_z - wo_z < height and side2 > np.float32(1e-12):
+    if not as_turned and TWO * cos_o * n_z - wo_z < height and side2 > np.float32(1e-12):
         side = ONE / math.sqrt(side2)
         wo_x = (cos_o - n_z * wo_z) * side
         length = math.sqrt(wo_x * wo_x + wo_z * wo_z)

@@ -67,6 +67,7 @@ def setup_lobes(
     geometric_normal: np.ndarray,
     wo: np.ndarray,
     measured: MeasuredBrdfs = NO_MEASURED,
+    as_turned: np.ndarray | None = None,
 ) -> Lobes:
     """The lobes of n points.
 
@@ -75,6 +76,8 @@ def setup_lobes(
         turned away from wo they are flipped here, for reflection is two-sided
     wo: float32 (n, 3), unit, to the viewer
     measured: of the scene
+    as_turned: bool (n,), where glossy light follows the normal wherever it points (glossy_normal);
+        None: nowhere
     """
     n = len(normal)
     shapes = {"weight": (n, 2, 3), "f0": (n, 2, 3), "rough": (n, 4)}
@@ -83,19 +86,22 @@ def setup_lobes(
     out |= {name: np.zeros(n, np.int8) for name in ("kind", "distribution")}
     out |= {"table": np.zeros(n, np.int32), "tables": measured.values}
     lobes = Lobes(**out)
-    _setup(params, normal, geometric_normal, wo, albedo_tables(), measured.fit, lobes)
+    if as_turned is None:
+        as_turned = np.zeros(n, np.bool_)
+    given = params, normal, geometric_normal, wo, as_turned
+    _setup(*given, albedo_tables(), measured.fit, lobes)
     return lobes
 
 
 @kernel
-def _setup(params, normal, geometric_normal, wo, tables, fits, out):
+def _setup(params, normal, geometric_normal, wo, as_turned, tables, fits, out):
     for p in range(normal.shape[0]):
         facing = np.float32(1.0 if dot(geometric_normal[p], wo[p]) >= ZERO else -1.0)
         for c in range(3):
             out.normal[p, c] = normal[p, c] * facing
             out.wo[p, c] = wo[p, c]
             out.emission[p, c] = params.emission[p, c]
-        set_glossy_normal(geometric_normal[p], facing, p, out)
+        set_glossy_normal(geometric_normal[p], facing, as_turned[p], p, out)
         _set_microsurface(params, p, out)
         model = params.model[p]
         if model == DIFFUSE:

@@ -65,6 +65,8 @@ class Program:
     emission: a colour, radiance; None: it does not glow
     transparent: a colour, the share of light that goes straight through; None: it is opaque
     holdout: a colour, the share that is a hole in the picture; None: nothing is
+    corrects_bumps: whether turned normals are shadowed and kept clear of the surface (core/bump.py,
+        core/glossy_normal.py)
     """
 
     ops: tuple[Op, ...]
@@ -72,6 +74,7 @@ class Program:
     emission: Value | None = None
     transparent: Value | None = None
     holdout: Value | None = None
+    corrects_bumps: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -39,12 +39,14 @@ class _Layer(NamedTuple):
     normal: np.ndarray | None
     params: dict[str, np.ndarray]
     grain: np.ndarray | None
+    corrects_bumps: bool
 
     def at(self, some) -> _Layer:
         normal = None if self.normal is None else self.normal[some]
         params = {name: values[some] for name, values in self.params.items()}
         grain = None if self.grain is None else self.grain[some]
-        return _Layer(self.closure, self.which[some], self.weight[some], normal, params, grain)
+        weight, last = self.weight[some], self.corrects_bumps
+        return _Layer(self.closure, self.which[some], weight, normal, params, grain, last)
 
 
 class _Columns:
@@ -55,7 +57,8 @@ class _Columns:
         self.params = params_at(scene.materials, scene.mesh.material_index[points.triangle])
         self.normal = points.normal.copy()
         self.weight = points.through.copy()
-        self._turned = np.zeros(len(points.pixel), np.bool_)  # the normal, by a map
+        self._turned = np.zeros(len(points.pixel), np.bool_)  # the normal, by a map, and shadowed
+        self._as_turned = np.zeros(len(points.pixel), np.bool_)  # Program.corrects_bumps is off
         self._grain = np.zeros((len(points.pixel), 3), np.float32)
         self._sheen = np.zeros(len(points.pixel), np.int8)  # SHEEN, VELVET_SHEEN
         self._behind = np.zeros(len(points.pixel), np.bool_)  # TRANSLUCENT
@@ -71,12 +74,13 @@ class _Columns:
         for name, values in layer.params.items():
             getattr(params, name)[rows] = values
         self.weight[rows] = layer.weight * self.points.through[rows]
+        self._as_turned[rows] = not layer.corrects_bumps
         if layer.grain is not None:
             self._grain[rows] = layer.grain
         if layer.normal is not None:
             kept = layer.normal.any(axis=1)
             self.normal[rows[kept]] = layer.normal[kept]
-            self._turned[rows[kept]] = True
+            self._turned[rows[kept]] = layer.corrects_bumps
 
     def made(self) -> tuple[ShadingPoints, Lobes]:
         """The points, on the side that their closure shines from, and its lobes."""
@@ -90,7 +94,7 @@ class _Columns:
     def _lobes(self) -> Lobes:
         points, weight = self.points, self.weight
         own = self.params, self.normal, points.geometric_normal, points.wo
-        lobes = setup_lobes(*own, self._measured)
+        lobes = setup_lobes(*own, self._measured, self._as_turned)
         if self._sheen.any():
             roughness = self.params.roughness
             set_sheen(lobes, self._sheen == SHEEN, self._sheen == VELVET_SHEEN, roughness)
@@ -191,7 +195,7 @@ def _evaluate(program: Program, context, which, pose) -> tuple[list[_Layer], np.
             length = np.linalg.norm(grain, axis=1)[:, None].astype(np.float32)
             along = grain / np.maximum(length, np.float32(1e-20))
             grain = length * posed_normals(pose, context.mesh, context.triangle, along)
-        layers.append(_Layer(kind, which, weight, normal, params, grain))
+        layers.append(_Layer(kind, which, weight, normal, params, grain, program.corrects_bumps))
     glow = 0.0 if program.emission is None else evaluation.vector(program.emission) * opaque
     return layers, glow
 

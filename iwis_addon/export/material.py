@@ -141,16 +141,24 @@ def _surface_of(material, users, warnings, images):
             shaders.parts.transparent.append(np.ones(3, np.float32))
         else:
             reader.warn(output, "nothing is linked to Surface: black, as in Cycles")
-    return _finished(shaders.parts, builder, reader)
+    return _finished(shaders.parts, builder, reader, _corrects_bumps(material))
 
 
-def _finished(parts: SurfaceParts, builder: ProgramBuilder, reader: NodeReader):
+def _corrects_bumps(material) -> bool:
+    """Cycles' setting Bump Map Correction, on where its add-on is not there."""
+    return getattr(getattr(material, "cycles", None), "use_bump_map_correction", True)
+
+
+def _finished(
+    parts: SurfaceParts, builder: ProgramBuilder, reader: NodeReader, corrects_bumps: bool
+):
     """(row, program or None, requests) of all that a tree came to."""
     emission, transparent = builder.added(parts.emission), builder.added(parts.transparent)
     holdout = builder.added(parts.holdout)
     closures = _merged(parts.closures, builder)
     row = _finite(_row_of(closures, emission, builder), reader)
-    if transparent is None and holdout is None and _is_row(closures, emission):
+    plain = transparent is None and holdout is None and corrects_bumps
+    if plain and _is_row(closures, emission):
         return row, None, ()
     closures = closures or [Closure(BLACK, GGX, np.ones(3, np.float32), {})]
     program = Program(
@@ -159,6 +167,7 @@ def _finished(parts: SurfaceParts, builder: ProgramBuilder, reader: NodeReader):
         emission=emission,
         transparent=transparent,
         holdout=holdout,
+        corrects_bumps=corrects_bumps,
     )
     return row, program, builder.requests
 

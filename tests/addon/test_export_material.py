@@ -174,6 +174,14 @@ def test_normal_becomes_part_of_a_program(build):
     assert warnings == [] and found.programs[0].closures[0].normal is not None
 
 
+def test_bump_map_correction(build):
+    """Off, even a plain surface is a program: its glossy light follows the smooth normal."""
+    material = build.surface(build.node("ShaderNodeBsdfPrincipled")).material
+    assert export_shaders([material], []).programs == (None,)
+    material.cycles.use_bump_map_correction = False
+    assert not export_shaders([material], []).programs[0].corrects_bumps
+
+
 def test_constants_are_found_through_links(build):
     """RGB and Value nodes, through a reroute and a muted node: exact, so no warning."""
     rgb = build.node("ShaderNodeRGB")

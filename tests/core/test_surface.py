@@ -66,6 +66,20 @@ def test_color_varies_over_the_surface():
     np.testing.assert_allclose(surface_lobes(scene, points)[1].diffuse, expected, atol=1e-6)
 
 
+@pytest.mark.parametrize("corrects", (True, False))
+def test_turned_normal_is_corrected_or_not(corrects):
+    """So flat that the mirrored view would go into the floor: corrected, it does not, and light
+    is shadowed; otherwise both lobes follow the normal as it is."""
+    flat = np.float32([0.8, 0.0, 0.6])
+    closure = Closure(GLOSSY, GGX, _ONE, {"base_color": _ONE}, flat)
+    program = Program(ops=(), closures=(closure,), corrects_bumps=corrects)
+    scene = _one_program(program, glossy(0.3))
+    lobes = surface_lobes(scene, pixel_points(scene).points)[1]
+    turned = np.abs(lobes.glossy_normal - lobes.normal).max(axis=1) > 1e-3
+    assert turned.any() == corrects
+    assert lobes.bump.any() == corrects
+
+
 def test_heaviest_closure_of_each_point_is_shown():
     """Half of the floor weighs more to one side: there it is a mirror, elsewhere diffuse."""
     rough, matte = (

@@ -1,6 +1,8 @@
 """Materials whose parameters vary, under a world."""
 
-from .cases import lit
+import bpy
+
+from .cases import CASES, Case, lit
 from .scene import picture
 
 
@@ -59,6 +61,28 @@ lit("Principled, metallic varies", principled(Metallic=lambda t: t.axis("Z"), Ba
 lit("Principled, specular varies", principled(Specular_IOR_Level=noise_of))
 lit("Principled, bump", principled(Normal=_bump), samples=(256, 1024))
 lit("Principled, normal map", principled(Normal=_normal_map), samples=(256, 1024))
+
+
+def _uncorrected(name, make):
+    """The material setting Bump Map Correction off."""
+
+    def build(scene, tree):
+        tree.surface(make(tree))
+        for material in bpy.data.materials:
+            material.cycles.use_bump_map_correction = False
+
+    CASES.append(Case(name, build, lit=True, samples=(256, 1024)))
+
+
+_uncorrected("Principled, normal map, not corrected", principled(Normal=_normal_map))
+_uncorrected(
+    "Diffuse, normal map, not corrected",
+    lambda t: t.made("ShaderNodeBsdfDiffuse", 0, {"Normal": _normal_map(t)}),
+)
+_uncorrected(
+    "Metal, normal map, not corrected",
+    principled(Metallic=1.0, Roughness=0.3, Normal=_normal_map),
+)
 lit(
     "Glossy, roughness varies",
     lambda t: t.made("ShaderNodeBsdfGlossy", 0, {"Roughness": t.axis("Z", 0.15, 0.8)}),
