@@ -11,6 +11,7 @@ import os
 
 from .budget import BudgetRender
 from .center_tile import CenterTile
+from .early_kernels import read_early
 from .embree_instances import can_instance
 from .film import Progress, TileSink
 from .filtered_tile import FilteredTile
@@ -60,6 +61,7 @@ def render(
     stop = StopFlag()
     threads = worker_count(settings)
     accel = light = tables = None
+    read_early(settings, render)
     with stats.phase("bvh"):
         accel = watched(lambda _: cache.rays(scene, stop.is_set), sink, stop, "bvh")
     if not stop.is_set():

@@ -15,7 +15,7 @@ from run_iwis import IwisRun, export_open_file
 
 from iwis.core.settings import RenderSettings
 
-SIZE, SAMPLES = (48, 48), 512
+SIZE, SAMPLES = (32, 32), 512
 RATIO_LIMIT = 1.3  # as in test_truth.py
 
 
