@@ -5,7 +5,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     _parts                                          -1  how kernels are put together
     _jit, settings, program, lamps, object_motion    0  how kernels are kept; all defaults
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
-    microfacet, terminator, exr, embree_rays, lanes,
+    microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,

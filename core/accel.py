@@ -16,6 +16,7 @@ from ._jit import kernel
 from .embree import EmbreeScene
 from .embree_filter import Opacity, ShadowFilter
 from .embree_rays import (
+    ALL_COLORS,
     NOTHING,
     Traversal,
     intersect_block,
@@ -29,6 +30,7 @@ from .watch import Cancelled
 log = logging.getLogger(__name__)
 
 MISS = -1
+_GREEN = 2
 
 
 class Accel:
@@ -83,15 +85,17 @@ class Accel:
     ) -> np.ndarray:
         """bool (n,): whether anything lies on the ray. origins, directions: float32 (n, 3).
 
-        out: bool (>= n,), written and returned as far as it was, instead of a new array
+        out: bool (>= n,), written and returned as far as it was, instead of a new array; or uint8,
+            which of red, green, blue is blocked: bits. Bool is green's answer.
         reach: float32 (n,), lengths of ``directions`` beyond which nothing counts; None: no end
         """
         n = len(origins)
         out = np.empty(n, np.bool_) if out is None else out[:n]
+        colors = _GREEN if out.dtype == np.bool_ else ALL_COLORS
         if reach is None:
-            occluded_block(self.traversal, origins, directions, n, out)
+            occluded_block(self.traversal, origins, directions, n, colors, out)
         else:
-            occluded_within(self.traversal, origins, directions, reach, n, out)
+            occluded_within(self.traversal, origins, directions, reach, n, colors, out)
         return out
 
 

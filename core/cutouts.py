@@ -1,8 +1,8 @@
 """Surfaces that let a part of the rays through: leaves, fences, mixtures with Transparent BSDF.
 
 Whether a ray goes on is drawn, with the share that the material lets through as probability; so a
-ray is never split, and shadow rays stay yes or no: what is coloured throws a grey shadow. What does
-not let a ray through is brighter by the inverse of the probability of that
+ray is never split. Shadow rays that ask Embree alone (opacity.py) draw for each color; those here
+are yes or no. What does not let a ray through is brighter by the inverse of the probability of that
 (docs/decisions/0022-closures-and-cut-outs.md).
 """
 
@@ -47,7 +47,7 @@ def passing_shares(scene: Scene, points: ShadingPoints, shadow: bool = False) ->
 
     shadow: whether they are shadow rays, which a material may be told (Light Path)
     """
-    return _share_of(_passing_colors(scene, points, shadow))
+    return share_of(_passing_colors(scene, points, shadow))
 
 
 def _passing_colors(scene: Scene, points: ShadingPoints, shadow: bool) -> np.ndarray:
@@ -60,16 +60,17 @@ def _passing_colors(scene: Scene, points: ShadingPoints, shadow: bool) -> np.nda
             which = np.flatnonzero(rows == row)
             at_rest = points_at_rest(scene.pose, scene.mesh, points.at(which))
             context = ShadeContext.of_points(scene, at_rest, shadow)
-            colors[which] = _passing_color(program, Evaluation(program, context))
+            colors[which] = passing_color(program, Evaluation(program, context))
     return colors
 
 
-def _passing_color(program: Program, evaluation: Evaluation) -> np.ndarray:
+def passing_color(program: Program, evaluation: Evaluation) -> np.ndarray:
+    """float32 (n, 3): what goes on, at the points of an evaluation."""
     return np.maximum(evaluation.vector(program.transparent), 0.0)
 
 
-def _share_of(color: np.ndarray) -> np.ndarray:
-    """The mean over the colours: so the opacity of a film is that of Cycles."""
+def share_of(color: np.ndarray) -> np.ndarray:
+    """Of a color that goes on, the probability: its mean, so the opacity of a film is Cycles'."""
     return np.clip(color.mean(axis=1), 0.0, 1.0)
 
 
@@ -98,7 +99,7 @@ def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
 
 def passing_share(program: Program, evaluation: Evaluation) -> np.ndarray:
     """float32 (n,): the probability that a ray goes on, at the points of an evaluation."""
-    return _share_of(_passing_color(program, evaluation))
+    return share_of(passing_color(program, evaluation))
 
 
 def points_through(
@@ -125,7 +126,7 @@ def points_through(
     ended, numbers = [], None if dither is None else np.array(dither, np.float64)
     for _ in range(MOST_LAYERS):
         color = _passing_colors(scene, points, False)
-        passing = _share_of(color)
+        passing = share_of(color)
         number = np.full(len(passing), 0.5) if numbers is None else numbers[points.pixel]
         goes = number < passing
         ended.append(points.at(~goes))

@@ -213,7 +213,8 @@ class EmbreeScene:
             for name in ("rtcOccluded1", "rtcOccluded8", "rtcIntersect1")
         )
         native = library.rtcGetDeviceProperty(self.device, _NATIVE_PACKETS_OF_8)
-        return Traversal(self.handle, one, eight if native else 0, nearest)
+        colored = self._filter is not None and self._filter.colored
+        return Traversal(self.handle, one, eight if native else 0, nearest, colored)
 
     def close(self) -> None:
         """Free the hierarchy; it must not be asked any more."""

@@ -2,8 +2,9 @@
 
 Called by Embree itself, for one ray or a packet, in any thread. The answer is that of grids
 (opacity.py makes them); between 0 and 1 it is drawn, by a hash of the ray, so that it is the same
-in every run. Where a hierarchy stands in several places, each instance may show some of its
-triangles alone (moved_accel.py).
+in every run. Of colored grids red, green and blue ask with the same number, each for itself: which
+of them are blocked is written to the ray's ID, and it ends where all are. Where a hierarchy stands
+in several places, each instance may show some of its triangles alone (moved_accel.py).
 """
 
 from __future__ import annotations
@@ -15,10 +16,10 @@ import numba
 import numpy as np
 
 from ._jit import c_callback, kernel
-from .embree_rays import get_byte, get_float, get_int, get_word, put_int
+from .embree_rays import ALL_COLORS, get_byte, get_float, get_int, get_word, put_int
 
 _ONE = np.float32(1.0)
-_DIRECTION, _U, _V, _TRIANGLE, _INSTANCE = 4, 3, 4, 5, 7  # rows of RTCRayN and RTCHitN
+_DIRECTION, _ID, _U, _V, _TRIANGLE, _INSTANCE = 4, 10, 3, 4, 5, 7  # rows of RTCRayN and RTCHitN
 _GROUPS = 32  # bytes before the address of the groups, in what a filter reads
 
 
@@ -28,12 +29,19 @@ class Opacity(NamedTuple):
     row: int32 (triangles,), which grid; -1: opaque
     start: int64 (grids,), where each begins in values; side: int32 (grids,), R
     values: uint8, of 255 what passes at the corners: for each step v, R + 1 - v of them along u
+    colored: whether there are three such grids one after another, red, green, blue
     """
 
     row: np.ndarray
     start: np.ndarray
     side: np.ndarray
     values: np.ndarray
+    colored: bool = False
+
+    @property
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """What a filter reads, in one piece each."""
+        return tuple(np.ascontiguousarray(array) for array in self[:4])
 
     def same(self, other: Opacity | None) -> bool:
         """Whether two are equal."""
@@ -44,14 +52,16 @@ class ShadowFilter:
     """What Embree is given with a mesh: the address of a function, and of what it reads.
 
     nearest: of a function for rays that ask for the nearest hit; 0 = none
+    colored: of Opacity
     """
 
     nearest = 0
 
     def __init__(self, opacity: Opacity):
-        self._arrays = tuple(np.ascontiguousarray(array) for array in opacity)
+        self._arrays, self.colored = opacity.arrays, opacity.colored
         self._places = (ctypes.c_size_t * 4)(*(a.ctypes.data for a in self._arrays))
-        self.function, self.data = let_through.address, ctypes.addressof(self._places)
+        self.function = (let_colors_through if self.colored else let_through).address
+        self.data = ctypes.addressof(self._places)
 
 
 class GroupFilter:
@@ -59,11 +69,14 @@ class GroupFilter:
 
     def __init__(self, groups: np.ndarray, opacity: Opacity | None = None):
         """groups: uint8 (triangles,), the number of the instance that shows each"""
-        self._arrays = tuple(np.ascontiguousarray(array) for array in (*(opacity or ()), groups))
+        shown = np.ascontiguousarray(groups)
+        self._arrays = (*(() if opacity is None else opacity.arrays), shown)
+        self.colored = opacity is not None and opacity.colored
         places = [0] * (5 - len(self._arrays)) + [array.ctypes.data for array in self._arrays]
         self._places = (ctypes.c_size_t * 5)(*places)
         self.data, self.nearest = ctypes.addressof(self._places), show_groups.address
-        self.function = (show_groups if opacity is None else show_and_let_through).address
+        both = show_and_let_colors_through if self.colored else show_and_let_through
+        self.function = (show_groups if opacity is None else both).address
 
 
 @kernel
@@ -98,7 +111,17 @@ def _drawn(ray, hit, row, u, v):
 
 
 @kernel
-def _let_through(arguments):
+def _blocked(blocked, drawn, values, start, side, u, v):
+    """The colors, bits of int32, that are blocked after a hit."""
+    corners = (side + 1) * (side + 2) // 2
+    for color in range(3):
+        if drawn >= _passes(values, start + color * corners, side, u, v):
+            blocked |= 1 << color
+    return blocked
+
+
+@kernel
+def _let_through(arguments, colored):
     valid, grids = get_word(arguments), get_word(arguments + 8)
     rays, hits = get_word(arguments + 24), get_word(arguments + 32)
     row = 4 * get_int(arguments + 40)
@@ -113,6 +136,13 @@ def _let_through(arguments):
             continue
         start, side = get_word(starts + 8 * grid), get_int(sides + 4 * grid)
         u, v = get_float(hit + _U * row), get_float(hit + _V * row)
+        if colored:
+            place, drawn = rays + lane + _ID * row, _drawn(rays + lane, hit, row, u, v)
+            blocked = _blocked(get_int(place), drawn, values, start, side, u, v)
+            if blocked != ALL_COLORS:
+                put_int(place, blocked)
+                put_int(valid + lane, 0)
+            continue
         passing = _passes(values, start, side, u, v)
         if passing > np.float32(0.0) and _drawn(rays + lane, hit, row, u, v) < passing:
             put_int(valid + lane, 0)
@@ -134,7 +164,13 @@ def _show_groups(arguments):
 @c_callback(numba.types.void(numba.types.intp))
 def let_through(arguments):
     """RTCFilterFunctionN: clears the lanes whose ray goes on through an opacity."""
-    _let_through(arguments)
+    _let_through(arguments, False)
+
+
+@c_callback(numba.types.void(numba.types.intp))
+def let_colors_through(arguments):
+    """RTCFilterFunctionN: the same of colored grids."""
+    _let_through(arguments, True)
 
 
 @c_callback(numba.types.void(numba.types.intp))
@@ -147,4 +183,11 @@ def show_groups(arguments):
 def show_and_let_through(arguments):
     """RTCFilterFunctionN: both."""
     _show_groups(arguments)
-    _let_through(arguments)
+    _let_through(arguments, False)
+
+
+@c_callback(numba.types.void(numba.types.intp))
+def show_and_let_colors_through(arguments):
+    """RTCFilterFunctionN: both, of colored grids."""
+    _show_groups(arguments)
+    _let_through(arguments, True)

@@ -58,7 +58,9 @@ class InstanceScene:
 
     def traversal(self) -> Traversal:
         """See EmbreeScene."""
-        return self._parts[0].traversal()._replace(scene=self.handle)
+        found = [part.traversal() for part in self._parts]
+        colored = any(one.colored for one in found)
+        return found[0]._replace(scene=self.handle, colored=colored)
 
     def close(self) -> None:
         """Free it; it must not be asked any more."""

@@ -6,7 +6,8 @@ rays of width w, is rows of w 32-bit numbers (Embree's rtcore_ray.h):
     origin 0-2, tnear 3, direction 4-6, time 7, tfar 8, mask 9, id 10, flags 11    RTCRay
     Ng 12-14, u 15, v 16, primID 17, geomID 18, instance 19 and up                 RTCHit
 
-An occluded ray comes back with tfar = -inf; primID stays as it was where nothing is hit.
+An occluded ray comes back with tfar = -inf; primID stays as it was where nothing is hit. What
+colors are blocked, bits 0 to 2, comes back in its ID where a filter is colored (embree_filter.py).
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from ._jit import kernel
 
 _ALIGNMENT = 64  # bytes; Embree asks for 32 under a packet of 8
 _WIDTH = 8
-_RAY = 12
+_RAY, _ID = 12, 10
 _RAY_HIT = 32  # 19, 2 for each level of instances, and room to spare
 _PACKET = _RAY * _WIDTH
 _FOREVER = np.float32(np.inf)
@@ -39,15 +40,18 @@ class Traversal(NamedTuple):
     scene: RTCScene; 0 = no triangle at all
     occluded1, occluded8, intersect1: where these functions of Embree begin; occluded8 is 0 where
         the processor has no registers for 8 rays
+    colored: whether red, green and blue light may be blocked each for itself
     """
 
     scene: int
     occluded1: int
     occluded8: int
     intersect1: int
+    colored: bool = False
 
 
 NOTHING = Traversal(0, 0, 0, 0)
+ALL_COLORS = 7
 
 
 @intrinsic
@@ -136,15 +140,22 @@ def _put_constants(lane, row):
 
 
 @kernel(forceinline=True)
-def occluded_one(traversal, ox, oy, oz, dx, dy, dz):
-    """Whether anything lies on the ray from (ox, oy, oz) along (dx, dy, dz), world space."""
+def _blocked_colors(lane, row):
+    """What has not come through of a ray that has been traced: bits."""
+    return ALL_COLORS if get_float(lane + 8 * row) < _ZERO else get_int(lane + _ID * row)
+
+
+@kernel(forceinline=True)
+def blocked_one(traversal, ox, oy, oz, dx, dy, dz):
+    """The colors, bits, that something blocks on the ray from (ox, oy, oz) along (dx, dy, dz),
+    world space."""
     if traversal.scene == 0:
-        return False
+        return 0
     ray = _stack(_RAY)
     _put_constants(ray, 4)
     _put_ray(ray, 4, ox, oy, oz, dx, dy, dz)
     _call(traversal.occluded1, (traversal.scene, ray, 0))
-    return get_float(ray + 32) < _ZERO
+    return _blocked_colors(ray, 4)
 
 
 @kernel(forceinline=True)
@@ -168,7 +179,13 @@ def _fill_packet(packet, valid, o, d, k, n):
 
 
 @kernel(forceinline=True)
-def _occluded_packets(traversal, origins, directions, n, out):
+def _forget_colors(packet):
+    for lane in range(_WIDTH):
+        _put(packet + 4 * (_ID * _WIDTH + lane), _ZERO)
+
+
+@kernel(forceinline=True)
+def _occluded_packets(traversal, origins, directions, n, colors, out):
     packet, valid = _stack(_PACKET), _stack(_WIDTH)
     for lane in range(_WIDTH):
         _put_constants(packet + 4 * lane, 4 * _WIDTH)
@@ -176,28 +193,33 @@ def _occluded_packets(traversal, origins, directions, n, out):
     k = 0
     while k < n:
         size = _fill_packet(packet, valid, origins, directions, k, n)
+        if traversal.colored:
+            _forget_colors(packet)
         _call(traversal.occluded8, (valid, traversal.scene, packet, 0))
         for lane in range(size):
-            out[k + lane] = get_float(packet + 4 * (8 * _WIDTH + lane)) < _ZERO
+            out[k + lane] = _blocked_colors(packet + 4 * lane, 4 * _WIDTH) & colors
         k += size
 
 
 @kernel
-def occluded_block(traversal, origins, directions, n, out):
-    """Write to out, bool (>= n,), whether anything lies on the first n rays, float32 (>= n, 3).
+def occluded_block(traversal, origins, directions, n, colors, out):
+    """Write to out, uint8 or bool (>= n,), which colors something blocks on the first n rays,
+    float32 (>= n, 3).
 
+    colors: bits of those that are asked for
     Rays of one origin that follow each other go through the hierarchy together.
     """
     o, d = origins, directions
     if traversal.occluded8 != 0:
-        _occluded_packets(traversal, o, d, n, out)
+        _occluded_packets(traversal, o, d, n, colors, out)
         return
     for k in range(n):
-        out[k] = occluded_one(traversal, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
+        ray = o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2]
+        out[k] = blocked_one(traversal, *ray) & colors
 
 
 @kernel
-def occluded_within(traversal, origins, directions, reach, n, out):
+def occluded_within(traversal, origins, directions, reach, n, colors, out):
     """occluded_block for what lies nearer than ``reach``, float32 (>= n,), in units of direction.
 
     Rays to lamps: few start at one place, so each goes through the hierarchy alone.
@@ -208,9 +230,10 @@ def occluded_within(traversal, origins, directions, reach, n, out):
     for k in range(n):
         _put_ray(ray, 4, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
         _put(ray + 32, np.float32(reach[k]))
+        _put(ray + 4 * _ID, _ZERO)
         if traversal.scene != 0:
             _call(traversal.occluded1, (traversal.scene, ray, 0))
-        out[k] = get_float(ray + 32) < _ZERO
+        out[k] = _blocked_colors(ray, 4) & colors
 
 
 @kernel(forceinline=True)
@@ -229,10 +252,10 @@ def _put_lane(packet, lane, numbers, origin, direction, row, s):
 
 @kernel
 def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, seen):
-    """Set seen[ray[k]] where nothing lies on ray k of n.
+    """Write to seen[ray[k]] which colors, bits, come through on ray k of n.
 
     numbers: float32, rows ``row`` long: x, y, z of origins from ``origin`` on, of directions from
-    ``direction`` on; ray: int32 (>= n,), where in the rows; seen: bool, false before
+    ``direction`` on; ray: int32 (>= n,), where in the rows; seen: uint8
     """
     if traversal.occluded8 == 0:
         for k in range(n):
@@ -240,7 +263,7 @@ def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, seen):
             ox, oy = numbers[origin + s], numbers[origin + row + s]
             dx, dy = numbers[direction + s], numbers[direction + row + s]
             oz, dz = numbers[origin + 2 * row + s], numbers[direction + 2 * row + s]
-            seen[s] = not occluded_one(traversal, ox, oy, oz, dx, dy, dz)
+            seen[s] = ALL_COLORS & ~blocked_one(traversal, ox, oy, oz, dx, dy, dz)
         return
     packet, valid = _stack(_PACKET), _stack(_WIDTH)
     for lane in range(_WIDTH):
@@ -253,9 +276,12 @@ def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, seen):
             _put_lane(packet, lane, numbers, origin, direction, row, ray[first + lane])
         for unused in range(size, _WIDTH):
             _put(valid + 4 * unused, _ZERO)
+        if traversal.colored:
+            _forget_colors(packet)
         _call(traversal.occluded8, (valid, traversal.scene, packet, 0))
         for lane in range(size):
-            seen[ray[first + lane]] = get_float(packet + 4 * (8 * _WIDTH + lane)) >= _ZERO
+            blocked = _blocked_colors(packet + 4 * lane, 4 * _WIDTH)
+            seen[ray[first + lane]] = ALL_COLORS & ~blocked
 
 
 @kernel

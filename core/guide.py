@@ -90,7 +90,7 @@ def note_rays(lanes, n_rays, guide):
             asked[c] >>= np.uint16(1)
             free[c] >>= np.uint16(1)
         asked[c] += np.uint16(1)
-        free[c] += np.uint16(lanes.seen[s])
+        free[c] += np.uint16(lanes.seen[s] != 0)
 
 
 @kernel

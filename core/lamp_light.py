@@ -255,13 +255,14 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
 
 
 @kernel
-def _add(rays, n, occluded, sums):
+def _add(rays, n, blocked, sums):
     for k in range(n):
         p = rays.point[k]
         sums[p, UNOCCLUDED] += rays.light[k, UNOCCLUDED]
-        if not occluded[k]:
-            for c in range(UNOCCLUDED):
-                sums[p, c] += rays.light[k, c]
+        for color in range(3):
+            if not (blocked[k] >> color) & 1:
+                sums[p, color] += rays.light[k, color]
+                sums[p, 3 + color] += rays.light[k, 3 + color]
 
 
 def add_lamp_light(
@@ -286,7 +287,8 @@ def add_lamp_light(
     while first < len(points.pixel):
         own = points, lobes, lamps, powers, shares, samples, offset, first
         first, n = _draw(*own, rays, sums)
-        occluded = accel.occluded(rays.origins[:n], rays.directions[:n], reach=rays.reach[:n])
-        _add(rays, n, occluded, sums)
+        blocked = np.empty(n, np.uint8)
+        accel.occluded(rays.origins[:n], rays.directions[:n], blocked, rays.reach[:n])
+        _add(rays, n, blocked, sums)
         traced += n
     return traced

@@ -34,7 +34,8 @@ class Lanes(NamedTuple):
     block: int32 (LANES,), 1 + the block of its product that it is in, 0 = none
     tree: int64 (LANES,), where the lane's product begins in the array of all products
     point, sample: int32 (LANES,), shading point and index of its sample
-    ray: int32 (LANES,), the lanes that have a ray; seen: bool (LANES,), those whose ray is free
+    ray: int32 (LANES,), the lanes that have a ray; seen: uint8 (LANES,), bits: the colors that come
+        through on it
     """
 
     numbers: np.ndarray
@@ -62,5 +63,5 @@ def new_lanes() -> Lanes:
         point=integers[3],
         sample=integers[4],
         ray=integers[5],
-        seen=np.zeros(LANES, np.bool_),
+        seen=np.zeros(LANES, np.uint8),
     )

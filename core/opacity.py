@@ -11,11 +11,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from .cutouts import passing_share
+from .cutouts import passing_color, share_of
 from .embree_filter import Opacity
 from .nodes import Evaluation, ShadeContext
 from .nodes.values import normalized
-from .program import Program, Ref
+from .program import Program
+from .program_ops import ops_behind
 from .scene import Scene
 
 # Grids are as fine as this at the most; more corners than this are not made for one material: some
@@ -26,40 +27,21 @@ MOST_CORNERS = 1 << 24
 # and about how many corners all triangles get together.
 _PROCEDURAL, _COARSEST, _CORNERS = 64, 4, 1 << 20
 _POINTS_AT_ONCE = 1 << 18
-_OF_RAYS = ("ShaderNodeFresnel", "ShaderNodeLayerWeight", "under_coat", "under_sheen")
-_RAY_OUTPUTS = {"Incoming", "Backfacing", "Ray Length", "Ray Depth", "Transparent Depth"}
 # Kinds that look at nothing but values at the corners; images do if their coordinates do.
 _COORDINATES = ("ShaderNodeTexCoord", "ShaderNodeNewGeometry", "ShaderNodeObjectInfo")
 _OF_CORNERS = ("ShaderNodeUVMap", "ShaderNodeVertexColor", "ShaderNodeAttribute")
 
 
-def can_bake(program: Program) -> bool:
-    """Whether what passes is a matter of the place alone, and not of the ray."""
-    for op in _ops_behind(program, program.transparent):
-        if op.kind in _OF_RAYS or _RAY_OUTPUTS & op.settings.get("outputs", set()):
-            return False
-    return True
-
-
-def _ops_behind(program: Program, value) -> list:
-    """The operations that a value depends on."""
-    found, todo = {}, [value]
-    while todo:
-        value = todo.pop()
-        if isinstance(value, Ref) and value.op not in found:
-            found[value.op] = program.ops[value.op]
-            todo.extend(program.ops[value.op].inputs.values())
-    return list(found.values())
-
-
-def bake_opacity(scene: Scene, triangles: np.ndarray) -> Opacity:
+def bake_opacity(scene: Scene, triangles: np.ndarray, colored: bool = True) -> Opacity:
     """Grids for some triangles, bool (m,), whose materials have programs that can be baked.
 
     A material that would need more than MOST_CORNERS gets none.
+    colored: whether the grids may be; they are if some material lets one color through more than
+        another
     """
     materials = scene.mesh.material_index
     row = np.full(len(materials), -1, np.int32)
-    sides, values = [np.zeros(0, np.int32)], [np.zeros(0, np.uint8)]
+    sides, values = [np.zeros(0, np.int32)], []
     n = 0
     for material in np.unique(materials[triangles]):
         program = scene.shaders.programs[material]
@@ -74,13 +56,15 @@ def bake_opacity(scene: Scene, triangles: np.ndarray) -> Opacity:
         row[which] = n + place[again]
         first, side = first[order], side[order]
         for size in np.unique(side):
-            grids = _grids(scene, program, which[first[side == size]], int(size))
-            values.append(grids.ravel())
+            values.append(_grids(scene, program, which[first[side == size]], int(size), colored))
         sides.append(side)
         n += len(side)
+    if all((grids == grids[:, :1]).all() for grids in values):
+        values, colored = [grids[:, :1] for grids in values], False
     side = np.concatenate(sides)
-    sizes = _corners(side.astype(np.int64))
-    return Opacity(row, np.cumsum(sizes) - sizes, side, np.concatenate(values))
+    sizes = _corners(side.astype(np.int64)) * (3 if colored else 1)
+    whole = np.concatenate([np.zeros(0, np.uint8), *(grids.ravel() for grids in values)])
+    return Opacity(row, np.cumsum(sizes) - sizes, side, whole, colored)
 
 
 def _context(scene: Scene, triangle, barycentric) -> ShadeContext:
@@ -99,7 +83,7 @@ def _context(scene: Scene, triangle, barycentric) -> ShadeContext:
 
 def _shared(scene: Scene, program: Program, which) -> tuple[np.ndarray, np.ndarray]:
     """(rows of ``which`` that have a grid of their own, for each of which the grid that it has)."""
-    ops = _ops_behind(program, program.transparent)
+    ops = ops_behind(program, program.transparent)
     alone = np.arange(len(which))
     if not all(_is_of_corners(op) for op in ops):
         return alone, alone
@@ -129,7 +113,7 @@ def _sides(scene: Scene, program: Program, triangles) -> np.ndarray:
     corners = np.tile(np.float32([[0, 0], [1, 0], [0, 1]]), (n, 1))
     context = _context(scene, np.repeat(triangles, 3), corners)
     evaluation, wanted = Evaluation(program, context), np.ones(n)
-    for op in _ops_behind(program, program.transparent):
+    for op in ops_behind(program, program.transparent):
         if op.kind == "ShaderNodeTexImage" and op.settings["image"] is not None:
             size = max(max(t.shape[:2]) for t in op.settings["image"].tiles.values())
             vector = op.inputs.get("Vector")
@@ -148,17 +132,19 @@ def _corners(side):
     return (side + 1) * (side + 2) // 2
 
 
-def _grids(scene: Scene, program: Program, triangles, side: int) -> np.ndarray:
-    """uint8 (n, corners): what passes at the corners of the small triangles of n triangles."""
+def _grids(scene: Scene, program: Program, triangles, side: int, colored: bool) -> np.ndarray:
+    """uint8 (n, 3 if colored else 1, corners): what passes at the corners of the small triangles
+    of n triangles."""
     v, u = np.divmod(np.arange((side + 1) ** 2), side + 1)
     inside = u + v <= side
     places = (np.stack([u, v], -1)[inside] / side).astype(np.float32)
     many = np.repeat(triangles, len(places))
-    out = np.empty(len(many), np.uint8)
+    out = np.empty((len(many), 3 if colored else 1), np.uint8)
     step = max(_POINTS_AT_ONCE // len(places), 1) * len(places)
     for first in range(0, len(many), step):
         some = many[first : first + step]
         context = _context(scene, some, np.tile(places, (len(some) // len(places), 1)))
-        passing = passing_share(program, Evaluation(program, context))
+        passing = passing_color(program, Evaluation(program, context))
+        passing = np.minimum(passing, 1.0) if colored else share_of(passing)[:, None]
         out[first : first + step] = np.rint(passing * 255.0)
-    return out.reshape(len(triangles), len(places))
+    return out.reshape(len(triangles), len(places), -1).transpose(0, 2, 1)

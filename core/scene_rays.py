@@ -16,11 +16,13 @@ from .accel import MISS, Accel
 from .cutouts import MOST_LAYERS, behind, cut_materials, drawn_numbers, passing_shares
 from .embree import can_filter
 from .embree_filter import Opacity
+from .embree_rays import ALL_COLORS
 from .moved_accel import Moves, moved, settled
 from .moving_accel import MovingAccel
 from .object_motion import ObjectMotion
-from .opacity import bake_opacity, can_bake
+from .opacity import bake_opacity
 from .poses import posed_points
+from .program_ops import passes_by_place
 from .scene import (
     CAMERA_RAYS,
     HOLDOUT,
@@ -76,10 +78,13 @@ def ray_masks(scene: Scene) -> RayMasks | None:
         return RayMasks(camera, shadow, ~every, catcher, None)
     programs = scene.shaders.programs
     able = can_filter()
-    baked = [able and cut and can_bake(p) for cut, p in zip(materials, programs, strict=True)]
+    pairs = zip(materials, programs, strict=True)
+    baked = [able and cut and passes_by_place(program) for cut, program in pairs]
     cut = materials[mesh.material_index]
     with_grid = shadow & np.array(baked)[mesh.material_index]
-    opacity = bake_opacity(scene, with_grid) if with_grid.any() else None
+    # Hits that are looked at one by one answer for all colors, and so do grids beside them.
+    colored = not (shadow & cut & ~with_grid).any()
+    opacity = bake_opacity(scene, with_grid, colored) if with_grid.any() else None
     if opacity is not None:
         with_grid = opacity.row >= 0
     solid, hit_by_hit = shadow & (~cut | with_grid), shadow & cut & ~with_grid
@@ -207,9 +212,10 @@ class SceneRays:
         self, origins: np.ndarray, directions: np.ndarray, out=None, reach=None
     ) -> np.ndarray:
         """Whether a ray ends at anything that throws a shadow; see Accel."""
-        out = self._solid.accel.occluded(origins, directions, out, reach)
+        answer = self._solid.accel.occluded(origins, directions, out, reach)
         if self._parts.cut is None:
-            return out
+            return answer
+        out = answer != 0
         rays = np.flatnonzero(~out)
         origins, directions = origins[rays], directions[rays]
         reach = np.full(len(rays), np.inf, np.float32) if reach is None else reach[rays]
@@ -220,7 +226,7 @@ class SceneRays:
             reach = reach[points.pixel] - _length(way) / _length(directions[points.pixel])
             points, reach = points.at(reach > 0.0), reach[reach > 0.0]
             if not len(points.pixel):
-                return out
+                break
             met, rays = points.pixel, rays[points.pixel]
             passing = passing_shares(self._scene, points, shadow=True)
             goes = drawn_numbers(u[met], v[met], directions[met]) < passing
@@ -228,8 +234,10 @@ class SceneRays:
             rays, reach = rays[goes], reach[goes]
             directions = directions[met][goes]
             origins, _ = behind(points.at(goes), self.offset)
-        out[rays] = True
-        return out
+        else:
+            out[rays] = True
+        answer[:] = np.where(out, ALL_COLORS, 0)
+        return answer
 
 
 def _length(vectors: np.ndarray) -> np.ndarray:

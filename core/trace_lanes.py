@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .embree_rays import occluded_lanes
+from .embree_rays import ALL_COLORS, occluded_lanes
 from .lanes import DIFFUSE, DX, GLOSSY, LANES, OX
 from .pyramid import luminance
 
@@ -27,12 +27,12 @@ def _choose_rays(lanes, n):
 
 @kernel
 def trace_lanes(traversal, lanes, n):
-    """seen: whether the light of each lane reaches its point; returns how many rays that took.
+    """seen: what of the light of each lane reaches its point; returns how many rays that took.
 
     ray: which lanes they belong to
     """
     m = _choose_rays(lanes, n)
-    lanes.seen[:n] = False
+    lanes.seen[:n] = 0
     occluded_lanes(traversal, lanes.numbers, OX, DX, LANES, lanes.ray, m, lanes.seen)
     return m
 
@@ -53,7 +53,13 @@ def add_lanes(lanes, n, sums):
         sums.unoccluded[p, 0] += np.float64(r)
         sums.unoccluded[p, 1] += np.float64(g)
         sums.unoccluded[p, 2] += np.float64(b)
-        if lanes.seen[s]:
+        seen = lanes.seen[s]
+        if seen != 0:
+            if seen != ALL_COLORS:
+                red, green, blue = seen & 1, (seen >> 1) & 1, seen >> 2
+                dr, dg, db = dr * red, dg * green, db * blue
+                gr, gg, gb = gr * red, gg * green, gb * blue
+                r, g, b = dr + gr, dg + gg, db + gb
             light = np.float64(luminance(r, g, b))
             sums.visible[p] += 1
             sums.seen[p] += light

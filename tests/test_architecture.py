@@ -36,6 +36,7 @@ MAY_IMPORT_OF_CORE = {
         "emitters",
         "islands",
         "object_motion",
+        "program_ops",
         "nodes",
         "nodes/hashing",
         "nodes/typical",

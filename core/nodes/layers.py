@@ -72,7 +72,7 @@ def through_glass(context, settings, inputs):
 
     "reflected": the factor of a clear layer's closure; "": the rest of Weight, times Tint. The
     camera sees more of the reflection at grazing angles. A shadow ray is told the share of a ray
-    along the normal: so the answer is a matter of the place alone (opacity.can_bake). From inside
+    along the normal: so the answer is a matter of the place alone (program_ops.py). From inside
     there is no reflection: what would be seen there is the inside of the same body.
     """
     n = len(context)

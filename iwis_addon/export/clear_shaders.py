@@ -24,7 +24,7 @@ class ClearShaders(SurfaceBuilder):
     def _transparent(self, node, groups, weight):
         color = self._builder.color(node, "Color", groups)
         if not is_constant(color) or np.ptp(color) > 0.0:
-            self._warn(node, "a colored Transparent BSDF throws a grey shadow")
+            self.parts.tinted.append(node)
         self._passes(node, groups, weight)
 
     def _passes(self, node, groups, weight):

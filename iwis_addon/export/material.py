@@ -15,6 +15,7 @@ import bpy
 import numpy as np
 
 from ...core.program import Closure, Program
+from ...core.program_ops import passes_by_place
 from ...core.scene import (
     BLACK,
     DIFFUSE,
@@ -169,6 +170,9 @@ def _finished(
         holdout=holdout,
         corrects_bumps=corrects_bumps,
     )
+    if parts.tinted and not passes_by_place(program):
+        told = "a colored Transparent BSDF that depends on the ray throws a grey shadow"
+        reader.warn(parts.tinted[0], told)
     return row, program, builder.requests
 
 

@@ -28,12 +28,16 @@ def is_plain_diffuse(closure: Closure) -> bool:
 
 @dataclass(slots=True)
 class SurfaceParts:
-    """What a tree of shaders comes to: sums of closures, emission, what passes, what is a hole."""
+    """What a tree of shaders comes to: sums of closures, emission, what passes, what is a hole.
+
+    tinted: the nodes whose shadows have a color
+    """
 
     closures: list[Closure] = field(default_factory=list)
     emission: list[Value] = field(default_factory=list)
     transparent: list[Value] = field(default_factory=list)
     holdout: list[Value] = field(default_factory=list)
+    tinted: list = field(default_factory=list)
 
 
 class SurfaceBuilder:

@@ -16,7 +16,7 @@ import iwis.core.embree as embree_module
 from iwis.core._jit import kernel
 from iwis.core.accel import Accel, EmbreexScene
 from iwis.core.embree import EmbreeScene, load_library
-from iwis.core.embree_rays import occluded_block, occluded_one
+from iwis.core.embree_rays import blocked_one, occluded_block
 from iwis.core.watch import Cancelled
 from support.scenes import floor, make_mesh, sphere
 
@@ -191,7 +191,7 @@ def test_a_rays_answer_does_not_depend_on_its_neighbours(rays_a_point, rng):
         )
     one_by_one = accel.traversal._replace(occluded8=0)
     out = np.empty_like(together)
-    occluded_block(one_by_one, origins, directions, len(origins), out)
+    occluded_block(one_by_one, origins, directions, len(origins), 2, out)
     np.testing.assert_array_equal(out, together)
 
 
@@ -228,13 +228,13 @@ def _count_occluded(traversal, origins, directions):
     count = 0
     for k in range(len(origins)):
         o, d = origins[k], directions[k]
-        if occluded_one(traversal, o[0], o[1], o[2], d[0], d[1], d[2]):
+        if blocked_one(traversal, o[0], o[1], o[2], d[0], d[1], d[2]):
             count += 1
     return count
 
 
 def test_kernels_trace_rays_themselves(rng):
-    """occluded_one within a kernel agrees with occluded(), and with an empty mesh."""
+    """blocked_one within a kernel agrees with occluded(), and with an empty mesh."""
     accel = Accel(make_mesh(sphere(rings=16)))
     origins, directions = _rays(rng, 1000)
     count = _count_occluded(accel.traversal, origins, directions)

@@ -87,6 +87,33 @@ MOVES = {
 
 
 @pytest.mark.parametrize("large", [False, True], ids=["own hierarchies", "instances"])
+def test_a_moved_roof_throws_its_colored_shadow(monkeypatch, large):
+    """Each color as often as the roof lets it through; beside it, all of them."""
+    monkeypatch.setattr(moved_accel, "_LARGE", 0 if large else 1 << 30)
+    scene = make_scene(
+        [floor(), floor(0.2, 1.0)], [diffuse()] * 2, constant_world(), camera_above()
+    )
+    places = np.tile(np.eye(4), (2, 1, 1))
+    places[:, 0, 3] = 0.0, 1.0
+    closure = Closure(DIFFUSE, GGX, np.ones(3, np.float32), {})
+    tint = np.float32([0.8, 0.4, 0.2])
+    program = Program(ops=(), closures=(closure,), transparent=tint)
+    scene = dataclasses.replace(with_programs(scene, None, program), object_to_world=places)
+    cache = RenderCache()
+    assert cache.rays(scene).traversal.colored
+    rays = cache.rays(with_moves(scene, {1: matrix_of(0.2, (5.0, 0.0, 0.0))}), quick=True)
+    n = 10_000
+    up = np.tile(np.float32([0.0, 0.0, 1.0]), (n, 1))
+    under = np.random.default_rng(2).uniform(-0.1, 0.1, (n, 3)).astype(np.float32)
+    under[:, 2] = 0.5
+    assert not rays.occluded(under, up, np.empty(n, np.uint8)).any()
+    under[:, 0] += 5.0
+    blocked = rays.occluded(under, up, np.empty(n, np.uint8))
+    shares = [1.0 - ((blocked >> k) & 1).mean() for k in range(3)]
+    np.testing.assert_allclose(shares, tint, atol=0.02)  # four standard errors
+
+
+@pytest.mark.parametrize("large", [False, True], ids=["own hierarchies", "instances"])
 @pytest.mark.parametrize("name", MOVES)
 def test_moved_objects_are_met_where_they_are(room, rng, monkeypatch, name, large):
     monkeypatch.setattr(moved_accel, "_LARGE", 0 if large else 1 << 30)

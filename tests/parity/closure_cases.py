@@ -2,8 +2,12 @@
 
 import functools
 
+import bpy
+
 from . import cases
+from .cases import CASES, Case
 from .lit_cases import image_of, noise_of, principled
+from .scene import Tree
 
 # Two renders of IWIS with other seeds share some of their error: less of it is wanted here.
 lit = functools.partial(cases.lit, samples=(512, 512))
@@ -145,7 +149,39 @@ lit(
     warns="straight through",
     differs="light is not refracted",
 )
-lit("Transparent, tinted, that glows", _tinted_glow, blurred=True, warns="grey shadow")
+lit("Transparent, tinted, that glows", _tinted_glow, blurred=True)
+
+
+def _over_a_floor(material, *lamps):
+    """Of the material are the sphere and the cube; the floor is white."""
+
+    def build(scene, tree):
+        tree.surface(material(tree))
+        white = bpy.data.materials.new("White")
+        if bpy.app.version < (5, 0):
+            white.use_nodes = True
+        Tree(white.node_tree).surface(_diffuse(Tree(white.node_tree), (0.8, 0.8, 0.8)))
+        bpy.data.objects["Plane"].data.materials[0] = white
+        for kind, energy in lamps:
+            light = bpy.data.lights.new(kind, kind)
+            light.energy = energy
+            lamp = bpy.data.objects.new(kind, light)
+            lamp.location, lamp.rotation_euler = (1.5, -1.0, 4.0), (0.3, 0.2, 0.0)
+            scene.collection.objects.link(lamp)
+
+    return build
+
+
+def _stained(tree):
+    """Panes of the colors of an image."""
+    return tree.made("ShaderNodeBsdfTransparent", 0, {"Color": image_of(tree)})
+
+
+for _name, _material in {"tinted": _tinted, "stained": _stained}.items():
+    build = _over_a_floor(_material)
+    CASES.append(Case(f"Transparent, {_name}, shadow", build, lit=True, blurred=True))
+    build = _over_a_floor(_material, ("SUN", 3.0), ("POINT", 200.0))
+    CASES.append(Case(f"Transparent, {_name}, shadow of lamps", build, by_lamps=True, blurred=True))
 
 
 _SHEEN = {

@@ -1,0 +1,27 @@
+"""What the operations of a program depend on."""
+
+from __future__ import annotations
+
+from .program import Op, Program, Ref, Value
+
+_OF_RAYS = ("ShaderNodeFresnel", "ShaderNodeLayerWeight", "under_coat", "under_sheen")
+_RAY_OUTPUTS = {"Incoming", "Backfacing", "Ray Length", "Ray Depth", "Transparent Depth"}
+
+
+def ops_behind(program: Program, value: Value) -> list[Op]:
+    """The operations that a value depends on."""
+    found, todo = {}, [value]
+    while todo:
+        value = todo.pop()
+        if isinstance(value, Ref) and value.op not in found:
+            found[value.op] = program.ops[value.op]
+            todo.extend(program.ops[value.op].inputs.values())
+    return list(found.values())
+
+
+def passes_by_place(program: Program) -> bool:
+    """Whether what a program lets through is a matter of the place alone, and not of the ray."""
+    for op in ops_behind(program, program.transparent):
+        if op.kind in _OF_RAYS or _RAY_OUTPUTS & op.settings.get("outputs", set()):
+            return False
+    return True
