@@ -246,12 +246,16 @@ def float_curve(context, settings, inputs):
     return {"Value": mixed(value, curved, inputs["Factor"])}
 
 
+# Kelvin; what is beyond has the color of the limit.
+COOLEST, HOTTEST = 800.0, 12000.0
+
+
 def blackbody(context, settings, inputs):
-    """settings: table float32 (n, 3), Cycles' colours from 800 to 12000 K, logarithmic steps."""
+    """settings: table float32 (n, 3), Cycles' colors, COOLEST to HOTTEST, logarithmic steps"""
     table = settings["table"]
     last = len(table) - 1
-    low, high = np.log(np.float32(800.0)), np.log(np.float32(12000.0))
-    kelvin = np.clip(inputs["Temperature"], 800.0, 12000.0)
+    low, high = np.log(np.float32(COOLEST)), np.log(np.float32(HOTTEST))
+    kelvin = np.clip(inputs["Temperature"], COOLEST, HOTTEST)
     place = (np.log(kelvin) - low) / (high - low) * last
     row = np.minimum(place.astype(np.int32), last - 1)
     t = column(place - row)
@@ -259,6 +263,7 @@ def blackbody(context, settings, inputs):
 
 
 FUNCTIONS = {
+    "ShaderNodeBlackbody": blackbody,
     "ShaderNodeMix": mix,
     "ShaderNodeMixRGB": mix_rgb,
     "ShaderNodeHueSaturation": hue_saturation,

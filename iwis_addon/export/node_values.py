@@ -11,6 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .blackbody import blackbody_color
+
 _LUMINANCE = (0.2126, 0.7152, 0.0722)
 _MISSING_IMAGE = (1.0, 0.0, 1.0)  # as in Cycles
 _MAX_LINKS = 1000  # a cycle of links must not hang the export
@@ -108,6 +110,8 @@ class NodeReader:
             return _constant(end.socket, _constant(socket))
         if kind == "ShaderNodeTexImage":
             return self._mean_of_image(end)
+        if kind == "ShaderNodeBlackbody":
+            return blackbody_color(self.number(end.node, "Temperature", end.groups))
         value = _constant(socket)
         self.warn(
             end.node,

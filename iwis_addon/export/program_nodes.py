@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...core.program import Ref
+from .blackbody import blackbody_color, blackbody_settings
 from .program_images import image_settings
 
 # bl_idname -> properties; the operation has the same name (core/nodes).
@@ -183,7 +185,15 @@ def _image_texture(builder, node, groups):
     return builder.add_node(node, groups, node.bl_idname, inputs, settings)
 
 
+def _blackbody(builder, node, groups):
+    settings, inputs = blackbody_settings(), builder.inputs(node, groups)
+    if isinstance(inputs["Temperature"], Ref):
+        return builder.add_node(node, groups, node.bl_idname, inputs, settings)
+    return {"Color": np.float32(blackbody_color(inputs["Temperature"]))}
+
+
 HANDLERS = {
+    "ShaderNodeBlackbody": _blackbody,
     "ShaderNodeTexCoord": _texture_coordinate,
     "ShaderNodeUVMap": _uv_map,
     "ShaderNodeVertexColor": _color_attribute,

@@ -174,6 +174,19 @@ def test_normal_becomes_part_of_a_program(build):
     assert warnings == [] and found.programs[0].closures[0].normal is not None
 
 
+@pytest.mark.parametrize("kelvin", (0.0, 800.0, 1500.0, 6500.0, 12000.0, 1e6))
+def test_blackbody(build, kelvin):
+    """As bright at each temperature; red below that of the sun, blue above; no warning."""
+    node = build.node("ShaderNodeBlackbody", Temperature=kelvin)
+    row, warnings = only(
+        build.surface(build.node("ShaderNodeBsdfDiffuse", links=[("Color", node.outputs[0])]))
+    )
+    red, green, blue = row["base_color"]
+    assert warnings == [] and min(red, green, blue) >= 0.0
+    assert (red > green > blue or kelvin <= 800.0) if kelvin < 6000.0 else blue > 0.98 * red
+    assert 0.2126 * red + 0.7152 * green + 0.0722 * blue == pytest.approx(1.0, abs=0.16)
+
+
 def test_bump_map_correction(build):
     """Off, even a plain surface is a program: its glossy light follows the smooth normal."""
     material = build.surface(build.node("ShaderNodeBsdfPrincipled")).material

@@ -126,7 +126,7 @@ def test_mixed_shaders(scene, tree, texels, tmp_path):
     assert_as_cycles(scene, tmp_path)
 
 
-@pytest.mark.parametrize("kind", ["TexSky", "Blackbody", "Wavelength"])
+@pytest.mark.parametrize("kind", ["TexSky", "Wavelength"])
 def test_unsupported_colour_is_never_black_without_a_word(tree, kind, monkeypatch):
     def fails(*_):
         raise SkyError("no process")

@@ -52,6 +52,22 @@ _SPOT = {"energy": 600.0, "spot_size": math.radians(40.0), "visible_camera": Fal
 
 _case("Point", "POINT", _ABOVE, **_POINT)
 _case("Point, not normalized", "POINT", _ABOVE, normalize=False, **_POINT)
+
+
+def _with_blackbody(name):
+    def build(scene, tree):
+        lamp = _lamp(scene, "POINT", _ABOVE, **_POINT)
+        if bpy.app.version < (5, 0):
+            lamp.use_nodes = True
+        light = Tree(lamp.node_tree, "ShaderNodeOutputLight")
+        color = light.made("ShaderNodeBlackbody", 0, {0: 3200.0})
+        light.surface(light.made("ShaderNodeEmission", 0, {"Color": color, "Strength": 1.0}))
+        tree.surface(_diffuse(tree))
+
+    lit_by(name, build)
+
+
+_with_blackbody("Point, a black body")
 _case("Point, radius", "POINT", _ABOVE, use_soft_falloff=False, **_BALL)
 _case("Point, radius, not normalized", "POINT", _ABOVE, normalize=False, **_BALL)
 _case("Point, soft falloff", "POINT", _ABOVE, use_soft_falloff=True, **_BALL)

@@ -105,6 +105,11 @@ shown(
 )
 shown("Gamma", lambda t: t.made("ShaderNodeGamma", 0, {0: t.color(), 1: 2.2}))
 shown("Invert", lambda t: t.made("ShaderNodeInvert", 0, {0: 0.7, 1: t.color()}))
+shown(
+    "Blackbody",
+    lambda t: t.made("ShaderNodeBlackbody", 0, {0: t.axis("X", 500.0, 14000.0)}),
+)
+shown("Blackbody, one temperature", lambda t: t.made("ShaderNodeBlackbody", 0, {0: 2300.0}))
 shown("RGB to BW", lambda t: t.made("ShaderNodeRGBToBW", 0, {0: t.color()}))
 
 

@@ -1,0 +1,38 @@
+"""Colors of black bodies, as Cycles has them: Blender gives the same to a lamp's temperature."""
+
+from __future__ import annotations
+
+import functools
+
+import bpy
+import numpy as np
+
+from ...core.nodes.color import COOLEST, HOTTEST, blackbody
+
+_STEPS = 2048
+
+
+@functools.cache
+def _table() -> np.ndarray:
+    """float32 (n, 3), linear, from COOLEST to HOTTEST in logarithmic steps."""
+    lamp = bpy.data.lights.new("Blackbody", "POINT")
+    try:
+        lamp.use_temperature = True
+        colors = np.empty((_STEPS, 3), np.float32)
+        for row, kelvin in enumerate(np.geomspace(COOLEST, HOTTEST, _STEPS)):
+            lamp.temperature = kelvin
+            colors[row] = lamp.temperature_color
+    finally:
+        bpy.data.lights.remove(lamp)
+    return colors
+
+
+def blackbody_settings() -> dict:
+    """The settings of core.nodes.color.blackbody."""
+    return {"table": _table()}
+
+
+def blackbody_color(kelvin: float) -> tuple[float, ...]:
+    """Linear red, green, blue of a temperature."""
+    found = blackbody(None, blackbody_settings(), {"Temperature": np.float32([kelvin])})
+    return tuple(map(float, found["Color"][0]))
