@@ -16,7 +16,8 @@ import numba
 import numpy as np
 
 from ._jit import c_callback, kernel
-from .embree_rays import ALL_COLORS, get_byte, get_float, get_int, get_word, put_int
+from .addresses import get_byte, get_float, get_int, get_word, put
+from .embree_rays import ALL_COLORS
 
 _ONE = np.float32(1.0)
 _DIRECTION, _ID, _U, _V, _TRIANGLE, _INSTANCE = 4, 10, 3, 4, 5, 7  # rows of RTCRayN and RTCHitN
@@ -140,12 +141,12 @@ def _let_through(arguments, colored):
             place, drawn = rays + lane + _ID * row, _drawn(rays + lane, hit, row, u, v)
             blocked = _blocked(get_int(place), drawn, values, start, side, u, v)
             if blocked != ALL_COLORS:
-                put_int(place, blocked)
-                put_int(valid + lane, 0)
+                put(place, np.int32(blocked))
+                put(valid + lane, np.int32(0))
             continue
         passing = _passes(values, start, side, u, v)
         if passing > np.float32(0.0) and _drawn(rays + lane, hit, row, u, v) < passing:
-            put_int(valid + lane, 0)
+            put(valid + lane, np.int32(0))
 
 
 @kernel
@@ -158,7 +159,7 @@ def _show_groups(arguments):
         hit = hits + lane
         group = np.int32(get_byte(groups + get_int(hit + _TRIANGLE * row)))
         if group != get_int(hit + _INSTANCE * row):
-            put_int(valid + lane, 0)
+            put(valid + lane, np.int32(0))
 
 
 @c_callback(numba.types.void(numba.types.intp))

@@ -15,14 +15,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
 
 from ._jit import kernel
+from .addresses import call, get_float, get_int, put, stack
 
-_ALIGNMENT = 64  # bytes; Embree asks for 32 under a packet of 8
 _WIDTH = 8
 _RAY, _ID = 12, 10
 _RAY_HIT = 32  # 19, 2 for each level of instances, and room to spare
@@ -54,89 +50,26 @@ NOTHING = Traversal(0, 0, 0, 0)
 ALL_COLORS = 7
 
 
-@intrinsic
-def _call(typing_context, function, words):
-    """Call the C function at an address, void f(size_t, ...), with a tuple of words."""
-
-    def generate(context, builder, signature, arguments):
-        given = cgutils.unpack_tuple(builder, arguments[1])
-        declared = ir.FunctionType(ir.VoidType(), [word.type for word in given])
-        builder.call(builder.inttoptr(arguments[0], declared.as_pointer()), given)
-        return context.get_dummy_value()
-
-    return types.void(types.intp, types.UniTuple(types.intp, len(words))), generate
-
-
-@intrinsic(prefer_literal=True)
-def _stack(typing_context, n_floats):
-    """The address of a constant number of floats on the stack, aligned for Embree."""
-    count = n_floats.literal_value
-
-    def generate(context, builder, signature, arguments):
-        with builder.goto_entry_block():
-            place = builder.alloca(ir.ArrayType(ir.FloatType(), count))
-            place.align = _ALIGNMENT
-        return builder.ptrtoint(place, context.get_value_type(types.intp))
-
-    return types.intp(n_floats), generate
-
-
-@intrinsic
-def _put(typing_context, place, value):
-    """Write a float32 or uint32 to an address."""
-
-    def generate(context, builder, signature, arguments):
-        pointer = builder.inttoptr(arguments[0], arguments[1].type.as_pointer())
-        builder.store(arguments[1], pointer, align=4)
-        return context.get_dummy_value()
-
-    return types.void(types.intp, value), generate
-
-
-def _reader(numba_type):
-    @intrinsic
-    def read(typing_context, place):
-        """Read a number from an address."""
-
-        def generate(context, builder, signature, arguments):
-            word, least = context.get_value_type(numba_type), min(numba_type.bitwidth // 8, 4)
-            return builder.load(builder.inttoptr(arguments[0], word.as_pointer()), align=least)
-
-        return numba_type(types.intp), generate
-
-    return read
-
-
-get_float, get_int = _reader(types.float32), _reader(types.int32)
-get_word, get_byte = _reader(types.intp), _reader(types.uint8)
-
-
-@kernel(forceinline=True)
-def put_int(place, value):
-    """Write an int32 to an address."""
-    _put(place, np.uint32(value))
-
-
 @kernel(forceinline=True)
 def _put_ray(lane, row, ox, oy, oz, dx, dy, dz):
     """Write a ray to one lane of a packet whose rows are so many bytes long."""
-    _put(lane, np.float32(ox))
-    _put(lane + row, np.float32(oy))
-    _put(lane + 2 * row, np.float32(oz))
-    _put(lane + 4 * row, np.float32(dx))
-    _put(lane + 5 * row, np.float32(dy))
-    _put(lane + 6 * row, np.float32(dz))
-    _put(lane + 8 * row, _FOREVER)
+    put(lane, np.float32(ox))
+    put(lane + row, np.float32(oy))
+    put(lane + 2 * row, np.float32(oz))
+    put(lane + 4 * row, np.float32(dx))
+    put(lane + 5 * row, np.float32(dy))
+    put(lane + 6 * row, np.float32(dz))
+    put(lane + 8 * row, _FOREVER)
 
 
 @kernel(forceinline=True)
 def _put_constants(lane, row):
     """Write what all rays have in common."""
-    _put(lane + 3 * row, _ZERO)
-    _put(lane + 7 * row, _ZERO)
-    _put(lane + 9 * row, _ALL)
-    _put(lane + 10 * row, _ZERO)
-    _put(lane + 11 * row, _ZERO)
+    put(lane + 3 * row, _ZERO)
+    put(lane + 7 * row, _ZERO)
+    put(lane + 9 * row, _ALL)
+    put(lane + 10 * row, _ZERO)
+    put(lane + 11 * row, _ZERO)
 
 
 @kernel(forceinline=True)
@@ -151,10 +84,10 @@ def blocked_one(traversal, ox, oy, oz, dx, dy, dz):
     world space."""
     if traversal.scene == 0:
         return 0
-    ray = _stack(_RAY)
+    ray = stack(_RAY)
     _put_constants(ray, 4)
     _put_ray(ray, 4, ox, oy, oz, dx, dy, dz)
-    _call(traversal.occluded1, (traversal.scene, ray, 0))
+    call(traversal.occluded1, (traversal.scene, ray, 0))
     return _blocked_colors(ray, 4)
 
 
@@ -170,23 +103,23 @@ def _fill_packet(packet, valid, o, d, k, n):
     while size < _WIDTH and k < n and (size == 0 or _same_start(o, k - 1, k)):
         lane = packet + 4 * size
         _put_ray(lane, 4 * _WIDTH, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
-        _put(valid + 4 * size, _ALL)
+        put(valid + 4 * size, _ALL)
         size += 1
         k += 1
     for unused in range(size, _WIDTH):
-        _put(valid + 4 * unused, _ZERO)
+        put(valid + 4 * unused, _ZERO)
     return size
 
 
 @kernel(forceinline=True)
 def _forget_colors(packet):
     for lane in range(_WIDTH):
-        _put(packet + 4 * (_ID * _WIDTH + lane), _ZERO)
+        put(packet + 4 * (_ID * _WIDTH + lane), _ZERO)
 
 
 @kernel(forceinline=True)
 def _occluded_packets(traversal, origins, directions, n, colors, out):
-    packet, valid = _stack(_PACKET), _stack(_WIDTH)
+    packet, valid = stack(_PACKET), stack(_WIDTH)
     for lane in range(_WIDTH):
         _put_constants(packet + 4 * lane, 4 * _WIDTH)
         _put_ray(packet + 4 * lane, 4 * _WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
@@ -195,7 +128,7 @@ def _occluded_packets(traversal, origins, directions, n, colors, out):
         size = _fill_packet(packet, valid, origins, directions, k, n)
         if traversal.colored:
             _forget_colors(packet)
-        _call(traversal.occluded8, (valid, traversal.scene, packet, 0))
+        call(traversal.occluded8, (valid, traversal.scene, packet, 0))
         for lane in range(size):
             out[k + lane] = _blocked_colors(packet + 4 * lane, 4 * _WIDTH) & colors
         k += size
@@ -225,14 +158,14 @@ def occluded_within(traversal, origins, directions, reach, n, colors, out):
     Rays to lamps: few start at one place, so each goes through the hierarchy alone.
     """
     o, d = origins, directions
-    ray = _stack(_RAY)
+    ray = stack(_RAY)
     _put_constants(ray, 4)
     for k in range(n):
         _put_ray(ray, 4, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
-        _put(ray + 32, np.float32(reach[k]))
-        _put(ray + 4 * _ID, _ZERO)
+        put(ray + 32, np.float32(reach[k]))
+        put(ray + 4 * _ID, _ZERO)
         if traversal.scene != 0:
-            _call(traversal.occluded1, (traversal.scene, ray, 0))
+            call(traversal.occluded1, (traversal.scene, ray, 0))
         out[k] = _blocked_colors(ray, 4) & colors
 
 
@@ -265,20 +198,20 @@ def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, seen):
             oz, dz = numbers[origin + 2 * row + s], numbers[direction + 2 * row + s]
             seen[s] = ALL_COLORS & ~blocked_one(traversal, ox, oy, oz, dx, dy, dz)
         return
-    packet, valid = _stack(_PACKET), _stack(_WIDTH)
+    packet, valid = stack(_PACKET), stack(_WIDTH)
     for lane in range(_WIDTH):
         _put_constants(packet + 4 * lane, 4 * _WIDTH)
         _put_ray(packet + 4 * lane, 4 * _WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
-        _put(valid + 4 * lane, _ALL)
+        put(valid + 4 * lane, _ALL)
     for first in range(0, n, _WIDTH):
         size = min(n - first, _WIDTH)
         for lane in range(size):
             _put_lane(packet, lane, numbers, origin, direction, row, ray[first + lane])
         for unused in range(size, _WIDTH):
-            _put(valid + 4 * unused, _ZERO)
+            put(valid + 4 * unused, _ZERO)
         if traversal.colored:
             _forget_colors(packet)
-        _call(traversal.occluded8, (valid, traversal.scene, packet, 0))
+        call(traversal.occluded8, (valid, traversal.scene, packet, 0))
         for lane in range(size):
             blocked = _blocked_colors(packet + 4 * lane, 4 * _WIDTH)
             seen[ray[first + lane]] = ALL_COLORS & ~blocked
@@ -290,17 +223,17 @@ def intersect_block(traversal, origins, directions, triangle, u, v):
 
     origins, directions: float32 (n, 3), world space
     """
-    ray = _stack(_RAY_HIT)
+    ray = stack(_RAY_HIT)
     _put_constants(ray, 4)
     for k in range(len(origins)):
         o, d = origins[k], directions[k]
         _put_ray(ray, 4, o[0], o[1], o[2], d[0], d[1], d[2])
-        _put(ray + 60, _ZERO)
-        _put(ray + 64, _ZERO)
-        _put(ray + 68, _ALL)  # no triangle
-        _put(ray + 72, _ALL)
+        put(ray + 60, _ZERO)
+        put(ray + 64, _ZERO)
+        put(ray + 68, _ALL)  # no triangle
+        put(ray + 72, _ALL)
         if traversal.scene != 0:
-            _call(traversal.intersect1, (traversal.scene, ray, 0))
+            call(traversal.intersect1, (traversal.scene, ray, 0))
         triangle[k], u[k], v[k] = get_int(ray + 68), get_float(ray + 60), get_float(ray + 64)
 
 
@@ -308,16 +241,16 @@ def intersect_block(traversal, origins, directions, triangle, u, v):
 def intersect_instances(traversal, origins, directions, triangle, instance, u, v):
     """intersect_block in a scene of instances: triangles as each counts them, and its number,
     int32 (n,)."""
-    ray = _stack(_RAY_HIT)
+    ray = stack(_RAY_HIT)
     _put_constants(ray, 4)
     for k in range(len(origins)):
         o, d = origins[k], directions[k]
         _put_ray(ray, 4, o[0], o[1], o[2], d[0], d[1], d[2])
-        _put(ray + 60, _ZERO)
-        _put(ray + 64, _ZERO)
+        put(ray + 60, _ZERO)
+        put(ray + 64, _ZERO)
         for row in range(17, 21):
-            _put(ray + 4 * row, _ALL)  # no triangle, no instance
+            put(ray + 4 * row, _ALL)  # no triangle, no instance
         if traversal.scene != 0:
-            _call(traversal.intersect1, (traversal.scene, ray, 0))
+            call(traversal.intersect1, (traversal.scene, ray, 0))
         triangle[k], u[k], v[k] = get_int(ray + 68), get_float(ray + 60), get_float(ray + 64)
         instance[k] = get_int(ray + 76)

@@ -20,6 +20,8 @@ class _Square(ShadeContext):
             return self.barycentric
         if name == "generated":
             return np.pad(self.barycentric, ((0, 0), (0, 1)), constant_values=0.5)
+        if name in ("element:Pointiness", "element:Random Per Island"):
+            return np.full((len(self), 1), 0.5, np.float32)
         return None
 
 

@@ -8,8 +8,6 @@ import pytest
 import iwis.core.scene_rays as scene_rays
 from iwis.core.accel import Accel
 from iwis.core.embree_filter import Opacity
-from iwis.core.embree_rays import ALL_COLORS, occluded_block
-from iwis.core.lamps import SUN, make_lamps
 from iwis.core.opacity import bake_opacity
 from iwis.core.program import Closure, Op, Program, Ref
 from iwis.core.render_cache import RenderCache
@@ -194,63 +192,6 @@ def test_grid_follows_its_program(colored):
 def test_grey_grids_take_no_more_room():
     scene = _under_a_roof(_card(0.5))
     assert not bake_opacity(scene, scene.mesh.material_index == 1).colored
-
-
-def _tinted(share=_TINT) -> Program:
-    return Program(ops=(), closures=(Closure(BLACK, GGX, _ONE, {}),), transparent=share)
-
-
-@pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
-@pytest.mark.parametrize("roofs", [1, 2])
-def test_shadow_has_the_color_of_what_throws_it(pixel_filter, roofs):
-    """A floor under one tinted roof, and under two: each color is let through for itself.
-
-    4096 rays a pixel, 36 pixels: four standard errors of a share.
-    """
-    parts = [floor(1.0), *(floor(500.0, 1.0 + k) for k in range(roofs))]
-    camera = camera_at((0.0, 0.0, 0.6), (0.0, 0.01, 0.0), 6, 6, 0.6)
-    white = diffuse((1.0, 1.0, 1.0))
-    scene = make_scene(parts, [white] * (1 + roofs), constant_world(), camera)
-    scene = with_programs(scene, None, *[_tinted()] * roofs)
-    settings = {"max_samples": 4096, "stop_rule": "FIXED", "pixel_filter": pixel_filter}
-    layers, _ = make_picture(scene, **settings)
-    shown = layers["combined"][..., :3].mean((0, 1))
-    of_the_grid = np.rint(_TINT * 255.0) / 255.0
-    np.testing.assert_allclose(shown, of_the_grid**roofs, atol=0.004)
-
-
-def test_lamp_throws_a_colored_shadow():
-    """Of a sun straight above, through a tinted roof: 16 samples a pixel of 36."""
-    camera = camera_at((0.0, 0.0, 0.6), (0.0, 0.01, 0.0), 6, 6, 0.6)
-    parts, white = [floor(1.0), floor(500.0, 1.0)], diffuse((1.0, 1.0, 1.0))
-    scene = make_scene(parts, [white] * 2, constant_world((0.0, 0.0, 0.0)), camera)
-    lamps = make_lamps([{"kind": SUN, "size": (0.02, 0.0), "radiance": (1000.0,) * 3}])
-    plain = dataclasses.replace(scene, lamps=lamps, object_flags=np.uint8([3, CAMERA_RAYS]))
-    tinted = dataclasses.replace(with_programs(scene, None, _tinted()), lamps=lamps)
-    settings = {"max_samples": 256, "stop_rule": "FIXED", "pixel_filter": "BOX"}
-    lit, shown = (
-        make_picture(s, **settings)[0]["combined"][..., :3].mean((0, 1)) for s in (plain, tinted)
-    )
-    assert (lit > 0.1).all()
-    np.testing.assert_allclose(shown / lit, _TINT, atol=0.03)
-
-
-def test_packets_and_single_rays_see_the_same_colors():
-    """The same bits, and each color as often as it is let through."""
-    rays = RenderCache().rays(_under_a_roof(_tinted()))
-    accel = rays.traversal
-    assert accel.colored
-    rng = np.random.default_rng(11)
-    n = 20_000
-    origins = np.tile(np.float32([0.0, 0.0, 0.5]), (n, 1))
-    up = rng.normal(size=(n, 3)).astype(np.float32)
-    up[:, 2] = np.abs(up[:, 2]) + np.float32(0.05)
-    packets, singles = np.empty(n, np.uint8), np.empty(n, np.uint8)
-    occluded_block(accel, origins, up, n, ALL_COLORS, packets)
-    occluded_block(accel._replace(occluded8=0), origins, up, n, ALL_COLORS, singles)
-    np.testing.assert_array_equal(packets, singles)
-    free = [1.0 - np.mean((packets >> k) & 1) for k in range(3)]
-    np.testing.assert_allclose(free, _TINT, atol=0.015)  # four standard errors
 
 
 def test_filter_passes_what_the_grid_says():
