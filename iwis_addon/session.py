@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import functools
+import logging
+import threading
 
 import bpy
 
@@ -23,6 +25,20 @@ from .settings import render_settings
 from .sink import BlenderSink
 from .worker import run_in_worker
 
+log = logging.getLogger(__name__)
+
+
+def _load_core(settings) -> None:
+    """Import the core, and have its machine code read, while Blender's thread exports."""
+    try:
+        dependencies.require()
+        from ..core.early_kernels import read_early
+        from ..core.render import render
+
+        read_early(settings, render)
+    except Exception:  # the render itself meets it again, and says it
+        log.debug("the core could not be loaded early", exc_info=True)
+
 
 class FinalRender:
     """From the engine's update() to its render()'s end. Keeps nothing of bpy but the engine."""
@@ -39,6 +55,8 @@ class FinalRender:
         """Copy all that the picture needs out of Blender; self.scene stays None after a cancel."""
         scene = depsgraph.scene_eval
         self.settings = render_settings(scene)
+        share_cache_dir()
+        threading.Thread(target=_load_core, args=(self.settings,), name="iwis-load").start()
         self._keep_film = scene.iwis.keep_film
         with self._export_stats.phase("export"), contextlib.suppress(ExportCancelled):
             self.engine.update_stats("", "Exporting")
@@ -79,7 +97,6 @@ class FinalRender:
         sink = BlenderSink(
             self.engine, self.layer, view, rows, scene.camera.region, self.settings, films
         )
-        share_cache_dir()
         self.engine.update_stats("", "Loading; a machine's first render compiles for a minute")
         try:
             stats = run_in_worker(lambda relay: self._render(scene, relay), sink)

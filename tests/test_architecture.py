@@ -24,7 +24,7 @@ CORE_MAY_IMPORT = {"numpy", "numba"}
 CORE_MAY_ALSO_IMPORT = {
     "_parts": {"llvmlite"},
     "accel": {"embreex"},
-    "embree_rays": {"llvmlite"},
+    "addresses": {"llvmlite"},
     "exr": {"OpenEXR"},
     "prefetch": {"llvmlite"},
 }
@@ -38,6 +38,7 @@ MAY_IMPORT_OF_CORE = {
         "object_motion",
         "program_ops",
         "nodes",
+        "nodes/color",
         "nodes/hashing",
         "nodes/typical",
         "nodes/world",
