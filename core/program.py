@@ -65,6 +65,7 @@ class Program:
     emission: a colour, radiance; None: it does not glow
     transparent: a colour, the share of light that goes straight through; None: it is opaque
     holdout: a colour, the share that is a hole in the picture; None: nothing is
+    displaced: a vector, the normal that counts as the surface's own; None: it is that of the mesh
     corrects_bumps: whether turned normals are shadowed and kept clear of the surface (core/bump.py,
         core/glossy_normal.py)
     """
@@ -74,6 +75,7 @@ class Program:
     emission: Value | None = None
     transparent: Value | None = None
     holdout: Value | None = None
+    displaced: Ref | None = None
     corrects_bumps: bool = True
 
 

@@ -39,14 +39,15 @@ class _Layer(NamedTuple):
     normal: np.ndarray | None
     params: dict[str, np.ndarray]
     grain: np.ndarray | None
-    corrects_bumps: bool
+    shadows: bool  # light on a turned normal
+    corrects: bool  # Program.corrects_bumps
 
     def at(self, some) -> _Layer:
         normal = None if self.normal is None else self.normal[some]
         params = {name: values[some] for name, values in self.params.items()}
         grain = None if self.grain is None else self.grain[some]
-        weight, last = self.weight[some], self.corrects_bumps
-        return _Layer(self.closure, self.which[some], weight, normal, params, grain, last)
+        weight, rest = self.weight[some], (self.shadows, self.corrects)
+        return _Layer(self.closure, self.which[some], weight, normal, params, grain, *rest)
 
 
 class _Columns:
@@ -74,13 +75,13 @@ class _Columns:
         for name, values in layer.params.items():
             getattr(params, name)[rows] = values
         self.weight[rows] = layer.weight * self.points.through[rows]
-        self._as_turned[rows] = not layer.corrects_bumps
+        self._as_turned[rows] = not layer.corrects
         if layer.grain is not None:
             self._grain[rows] = layer.grain
         if layer.normal is not None:
             kept = layer.normal.any(axis=1)
             self.normal[rows[kept]] = layer.normal[kept]
-            self._turned[rows[kept]] = layer.corrects_bumps
+            self._turned[rows[kept]] = layer.shadows
 
     def made(self) -> tuple[ShadingPoints, Lobes]:
         """The points, on the side that their closure shines from, and its lobes."""
@@ -195,7 +196,9 @@ def _evaluate(program: Program, context, which, pose) -> tuple[list[_Layer], np.
             length = np.linalg.norm(grain, axis=1)[:, None].astype(np.float32)
             along = grain / np.maximum(length, np.float32(1e-20))
             grain = length * posed_normals(pose, context.mesh, context.triangle, along)
-        layers.append(_Layer(kind, which, weight, normal, params, grain, program.corrects_bumps))
+        corrects = program.corrects_bumps
+        shadows = corrects and (closure.normal is None or closure.normal is not program.displaced)
+        layers.append(_Layer(kind, which, weight, normal, params, grain, shadows, corrects))
     glow = 0.0 if program.emission is None else evaluation.vector(program.emission) * opaque
     return layers, glow
 

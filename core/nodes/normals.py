@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .values import as_number, as_vector, column, dot, normalized, parts
+from .values import as_number, as_vector, column, dot, length, normalized, parts
 
 
 def normal_map(context, settings, inputs):
@@ -60,6 +60,12 @@ def bump(context, settings, inputs):
     return {"Normal": np.where(column(width) > 0.0, turned, normal)}
 
 
+def object_height(context, settings, inputs):
+    """A height along the normal in the object's space, in the world's."""
+    along = context.vector_to_world(context.normal_to_object(context.normal))
+    return {"": inputs["Size"] * length(along)}
+
+
 def _dielectric(cosine, eta):
     """Fresnel's reflectance of an index eta, 1 where all is reflected."""
     c = np.abs(cosine)
@@ -101,6 +107,7 @@ def normal(context, settings, inputs):
 FUNCTIONS = {
     "ShaderNodeNormalMap": normal_map,
     "ShaderNodeBump": bump,
+    "object_height": object_height,
     "ShaderNodeFresnel": fresnel,
     "ShaderNodeLayerWeight": layer_weight,
     "ShaderNodeNormal": normal,

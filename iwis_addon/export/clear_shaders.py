@@ -81,7 +81,7 @@ class ClearShaders(SurfaceBuilder):
         """Add a surface of glass: its reflection, and the rest, which goes straight through."""
         inputs = {"Weight": weight, "Tint": tint}
         inputs |= {"IOR": params["ior"], "Roughness": params["roughness"]}
-        normal = self._builder.vector_if_linked(node, "Normal", groups)
+        normal = self._builder.normal(node, "Normal", groups)
         if normal is not None:
             inputs["Normal"] = normal
         through, reflected = self._builder.run_at_points("through_glass", "", "reflected", **inputs)

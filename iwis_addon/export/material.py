@@ -27,6 +27,7 @@ from ...core.scene import (
     VELVET_SHEEN,
     MaterialParams,
 )
+from .displacement import displaced_normal
 from .node_values import NodeReader, follow
 from .program_builder import ProgramBuilder
 from .program_images import ImageStore
@@ -131,10 +132,10 @@ def _surface_of(material, users, warnings, images):
     if output is None:
         reader.warn(None, "has no Material Output node: black, as in Cycles")
         return _NOTHING, None, ()
-    for name in ("Volume", "Displacement"):
-        if follow(output.inputs[name]).node is not None:
-            reader.warn(output, f"{name} is not supported and left out")
+    if follow(output.inputs["Volume"]).node is not None:
+        reader.warn(output, "Volume is not supported and left out")
     builder = ProgramBuilder(reader, images)
+    builder.displaced = displaced_normal(material, output, builder)
     shaders = ShaderReader(builder)
     shaders.read(output.inputs["Surface"])
     if follow(output.inputs["Surface"]).node is None:
@@ -168,6 +169,7 @@ def _finished(
         emission=emission,
         transparent=transparent,
         holdout=holdout,
+        displaced=builder.displaced,
         corrects_bumps=corrects_bumps,
     )
     if parts.tinted and not passes_by_place(program):

@@ -47,11 +47,13 @@ class ProgramBuilder:
     """The operations of one material, as far as they have been asked for.
 
     requests: names of the mesh data that they need (surface_data.py)
+    displaced: the normal that displacement leaves, a vector; None: the surface's own
     """
 
     def __init__(self, reader: NodeReader, images, depsgraph=None):
         self.reader, self.images, self.depsgraph = reader, images, depsgraph
         self.requests: set[str] = set()
+        self.displaced: Value | None = None
         self._ops: list[Op] = []
         self._known: dict[tuple, int] = {}
 
@@ -72,6 +74,11 @@ class ProgramBuilder:
         if name not in node.inputs or follow(node.inputs[name], groups).node is None:
             return None
         return self.behind(node.inputs[name], groups, "VECTOR")
+
+    def normal(self, node, name: str, groups) -> Value | None:
+        """What feeds a normal; else the displaced one; None: the surface's own."""
+        found = self.vector_if_linked(node, name, groups)
+        return self.displaced if found is None else found
 
     def run(self, kind: str, output: str = "", **settings_and_inputs) -> Value:
         """An operation of our own, one that no node stands for."""
@@ -198,6 +205,8 @@ class ProgramBuilder:
         inputs = self.inputs(node, groups)
         if "TEX_" in node.type and "Vector" not in inputs:
             self.requests.add("generated")
+        if kind == "ShaderNodeBump" and self.displaced is not None:
+            inputs.setdefault("Normal", self.displaced)
         if kind in PURE and not any(isinstance(value, Ref) for value in inputs.values()):
             with np.errstate(all="ignore"):
                 return FUNCTIONS[kind](None, settings, inputs)

@@ -121,7 +121,7 @@ class ShaderReader(ClearShaders):
             node, groups, own, SHEEN, base_color=WHITE, roughness=roughness, diffuse_roughness=ZERO
         )
         inputs = {"Weight": weight, "Sheen": share, "Tint": tint, "Roughness": roughness}
-        normal = self._builder.vector_if_linked(node, "Normal", groups)
+        normal = self._builder.normal(node, "Normal", groups)
         if normal is not None:
             inputs["Normal"] = normal
         return self._builder.run_at_points("under_sheen", **inputs)
@@ -150,7 +150,7 @@ class ShaderReader(ClearShaders):
             "specular_level": np.float32(0.5),
             "specular_tint": WHITE,
         }
-        normal = self._builder.vector_if_linked(node, "Coat Normal", groups)
+        normal = self._builder.normal(node, "Coat Normal", groups)
         self.parts.closures.append(Closure(PRINCIPLED, GGX, coat, params, normal))
         inputs = {"Weight": weight, "Coat": share, "Tint": color(node, "Coat Tint", groups)}
         inputs |= {"IOR": params["ior"], "Roughness": params["roughness"]}

@@ -66,7 +66,7 @@ class SurfaceBuilder:
 
     def _close(self, node, groups, weight, model, distribution=GGX, grain=None, **params):
         """Add a closure with the node's own normal."""
-        normal = self._builder.vector_if_linked(node, "Normal", groups)
+        normal = self._builder.normal(node, "Normal", groups)
         self.parts.closures.append(Closure(model, distribution, weight, params, normal, grain))
 
     def _grain(self, node, groups, names=("Anisotropy", "Rotation"), model="ASPECT"):
@@ -83,7 +83,7 @@ class SurfaceBuilder:
             "Rotation": self._builder.number(node, names[1], groups),
         }
         inputs["Tangent"] = self._builder.default_tangent() if tangent is None else tangent
-        normal = self._builder.vector_if_linked(node, "Normal", groups)
+        normal = self._builder.normal(node, "Normal", groups)
         if normal is not None:
             inputs["Normal"] = normal
         return self._builder.run_at_points("grain", settings={"model": model}, **inputs)

@@ -4,7 +4,7 @@ import pytest
 
 from iwis.core.scene import BLACK, DIFFUSE, PRINCIPLED
 from iwis.iwis_addon.export.material import export_materials
-from support.material_builds import Build, only
+from support.material_builds import Build, only, program_of
 
 
 @pytest.fixture
@@ -72,13 +72,41 @@ def test_other_settings_left_out_are_told(build, kind, values):
 
 
 def test_displacement_and_volume_are_told(build):
-    """What feeds Displacement and Volume is left out, with a warning each."""
+    """A volume and a vector are left out; vertices stay where they are, but normals turn."""
     node = build.node("ShaderNodeBsdfDiffuse")
     build.link(build.node("ShaderNodeVolumeScatter").outputs[0], build.output.inputs["Volume"])
-    build.link(build.node("ShaderNodeDisplacement").outputs[0], build.output.inputs["Displacement"])
+    vector = build.node("ShaderNodeVectorDisplacement")
+    build.link(vector.outputs[0], build.output.inputs["Displacement"])
     warnings = only(build.surface(node))[1]
-    assert [next(w for w in ("Volume", "Displacement") if w in line) for line in warnings]
-    assert len(warnings) == 2
+    assert len(warnings) == 2 and "Volume" in warnings[0] and "Displacement" in warnings[1]
+
+
+@pytest.mark.parametrize("method", ["BUMP", "DISPLACEMENT", "BOTH"])
+def test_displacement_is_bump(build, method):
+    """It turns the normal of what has none of its own, and what a Bump node begins with."""
+    height = build.node("ShaderNodeDisplacement")
+    build.link(build.node("ShaderNodeTexNoise").outputs[0], height.inputs["Height"])
+    bump, mix = build.node("ShaderNodeBump"), build.node("ShaderNodeMixShader")
+    build.link(build.node("ShaderNodeTexMagic").outputs[1], bump.inputs["Height"])
+    plain = build.node("ShaderNodeBsdfDiffuse")
+    bumped = build.node("ShaderNodeBsdfGlossy", links=[("Normal", bump.outputs[0])])
+    for number, shader in enumerate((plain, bumped), 1):
+        build.link(shader.outputs[0], mix.inputs[number])
+    material = build.surface(mix).material
+    assert all(closure.normal is None for closure in program_of(build).closures[:1])
+    build.link(height.outputs[0], build.output.inputs["Displacement"])
+    material.displacement_method = method
+    assert len(only(build)[1]) == (method != "BUMP")
+    program = program_of(build)
+    own, other = (closure.normal for closure in program.closures)
+    assert program.ops[own.op].kind == program.ops[other.op].kind == "ShaderNodeBump"
+    assert program.ops[other.op].inputs["Normal"] == own
+
+
+def test_even_displacement_turns_nothing(build):
+    build.link(build.node("ShaderNodeDisplacement").outputs[0], build.output.inputs["Displacement"])
+    assert only(build.surface(build.node("ShaderNodeBsdfDiffuse")))[1] == []
+    assert program_of(build) is None
 
 
 def test_texture_without_image(build):

@@ -63,6 +63,24 @@ lit("Principled, bump", principled(Normal=_bump), samples=(256, 1024))
 lit("Principled, normal map", principled(Normal=_normal_map), samples=(256, 1024))
 
 
+def _displaced(name, **place):
+    """Displacement, which Cycles shows as bump; place: of the sphere"""
+
+    def build(scene, tree):
+        tree.surface(tree.made("ShaderNodeBsdfPrincipled", 0, {"Base Color": (0.6, 0.5, 0.4)}))
+        inputs = {"Height": noise_of(tree), "Scale": 0.2, "Midlevel": 0.4}
+        height = tree.made("ShaderNodeDisplacement", 0, inputs)
+        tree.link(height, tree.output.inputs["Displacement"])
+        for key, value in place.items():
+            setattr(bpy.data.objects["Sphere"], key, value)
+
+    CASES.append(Case(name, build, lit=True, samples=(256, 1024)))
+
+
+_displaced("Displacement as bump")
+_displaced("Displacement as bump, of a large object", scale=(1.3, 1.3, 1.3))
+
+
 def _uncorrected(name, make):
     """The material setting Bump Map Correction off."""
 

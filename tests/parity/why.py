@@ -43,6 +43,8 @@ WHY = {
     "Principled, specular varies": _EDGES,
     "Glossy, roughness varies": _EDGES,
     "Principled, bump": _BUMP,
+    "Displacement as bump": _BUMP,
+    "Displacement as bump, of a large object": _BUMP,
     "Transparent to shadow rays": _RAYS,
     "Sky, multiple scattering, horizon seen": _HORIZON,
     "Transparent by a checker": _EDGES,
