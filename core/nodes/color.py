@@ -255,7 +255,7 @@ def blackbody(context, settings, inputs):
     table = settings["table"]
     last = len(table) - 1
     low, high = np.log(np.float32(COOLEST)), np.log(np.float32(HOTTEST))
-    kelvin = np.clip(inputs["Temperature"], COOLEST, HOTTEST)
+    kelvin = np.clip(np.nan_to_num(inputs["Temperature"]), COOLEST, HOTTEST)
     place = (np.log(kelvin) - low) / (high - low) * last
     row = np.minimum(place.astype(np.int32), last - 1)
     t = column(place - row)

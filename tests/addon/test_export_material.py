@@ -4,8 +4,10 @@ import bpy
 import numpy as np
 import pytest
 
+from iwis.core.nodes.color import blackbody
 from iwis.core.program import Ref
 from iwis.core.scene import BECKMANN, BLACK, DIFFUSE, GGX, GLOSSY, MULTI_GGX, PRINCIPLED
+from iwis.iwis_addon.export.blackbody import blackbody_settings
 from iwis.iwis_addon.export.material import export_materials, export_shaders
 from support.material_builds import Build, about, exported, only, program_of
 
@@ -172,6 +174,14 @@ def test_normal_becomes_part_of_a_program(build):
     warnings = []
     found = export_shaders([build.surface(node).material], warnings)
     assert warnings == [] and found.programs[0].closures[0].normal is not None
+
+
+def test_blackbody_of_no_number():
+    """As of a temperature of 0: a broken texel must not end a render."""
+    broken = np.float32([np.nan, np.inf, -np.inf, 0.0])
+    colors = blackbody(None, blackbody_settings(), {"Temperature": broken})["Color"]
+    assert np.isfinite(colors).all()
+    np.testing.assert_array_equal(colors[0], colors[3])
 
 
 @pytest.mark.parametrize("kelvin", (0.0, 800.0, 1500.0, 6500.0, 12000.0, 1e6))
