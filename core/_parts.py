@@ -104,11 +104,28 @@ class _PartLibrary(_WholeLibrary):
         self._finalized = True
 
 
+def _unsigned(kind):
+    return types.uintp if isinstance(kind, types.Integer) and kind.signed else kind
+
+
+def _counted_from_the_start(signature):
+    """The signature of an access to an array, with indices that have no sign."""
+    array, index, *value = signature.args
+    if not isinstance(array, types.Array):
+        return signature
+    if isinstance(index, types.BaseTuple):
+        index = types.BaseTuple.from_types([_unsigned(kind) for kind in index])
+    return signature.replace(args=(array, _unsigned(index), *value))
+
+
 class _Lower(lowering.Lower):
     """numba's, without what it does to variables to count references, where none are counted.
 
     A NamedTuple may hold hundreds of numbers, and LLVM takes it apart into them wherever it is
     read as a whole, written, or forgotten.
+
+    An index of a kernel counts from the start of an array, never from its end: numba asks of each
+    one whether it is negative, which costs more than the access, and keeps loops out of vectors.
     """
 
     def storevar(self, value, name, argidx=None):
@@ -139,6 +156,14 @@ class _Lower(lowering.Lower):
                 value = self.builder.load(place)
                 return self.context.cast(self.builder, value, kind.types[field], resty)
         return super().lower_expr(resty, expr)
+
+    def lower_getitem(self, resty, expr, value, index, signature):
+        own = _counted_from_the_start(signature)
+        return super().lower_getitem(resty, expr, value, index, own)
+
+    def lower_setitem(self, target_var, index_var, value_var, signature):
+        own = _counted_from_the_start(signature)
+        return super().lower_setitem(target_var, index_var, value_var, own)
 
     def _counts(self) -> bool:
         return self.context.enable_nrt or self._disable_sroa_like_opt

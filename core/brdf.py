@@ -88,6 +88,12 @@ def eval_at(at, wi_x, wi_y, wi_z):
 @kernel(forceinline=True)
 def eval_lobes_at(at, wi_x, wi_y, wi_z):
     """eval_at of a point neither measured, rough, stretched nor bumped: fewer branches."""
+    return eval_facets_at(at, at.gaussian, wi_x, wi_y, wi_z)
+
+
+@kernel(forceinline=True)
+def eval_facets_at(at, gaussian, wi_x, wi_y, wi_z):
+    """eval_lobes_at, for a caller that knows at.gaussian."""
     cos_n = max(dot_xyz(at.normal, wi_x, wi_y, wi_z), ZERO)
     scale = cos_n * INV_PI
     dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale
@@ -98,7 +104,7 @@ def eval_lobes_at(at, wi_x, wi_y, wi_z):
         return dr, dg, db, ZERO, ZERO, ZERO
     sin2, _, cos_h = _half_angles(at, wi_x, wi_y, wi_z)
     alpha2 = at.alpha * at.alpha
-    if at.gaussian:
+    if gaussian:
         density, hidden = beckmann_d(alpha2, sin2), beckmann_lambda(alpha2, cos_i)
     else:
         density, hidden = ggx_d(alpha2, sin2), ggx_lambda(alpha2, cos_i)
@@ -126,10 +132,11 @@ def _metal(f0, edge, s, t):
 
 
 @kernel(forceinline=True)
-def _pdf_gloss(at, wi_x, wi_y, wi_z):
+def pdf_facets_at(at, gaussian, wi_x, wi_y, wi_z):
+    """The density of the glossy lobe, sr^-1, for a caller that knows at.gaussian."""
     sin2, cos_m, cos_h = _half_angles(at, wi_x, wi_y, wi_z)
     alpha2 = at.alpha * at.alpha
-    if at.gaussian:  # facets turned away from wo are taken as well: their h points down
+    if gaussian:  # facets turned away from wo are taken as well: their h points down
         return beckmann_d(alpha2, sin2) * abs(cos_m) / (FOUR * cos_h)
     if cos_m > ZERO:
         return ggx_d(alpha2, sin2) / (FOUR * at.cos_o * at.seen)
@@ -166,7 +173,7 @@ def pdf_round_at(at, wi_x, wi_y, wi_z):
     """pdf_narrowest_at of a point that is neither stretched nor sheen."""
     if at.kind == DIFFUSE_LOBE:
         return max(dot_xyz(at.normal, wi_x, wi_y, wi_z), ZERO) * INV_PI
-    return _pdf_gloss(at, wi_x, wi_y, wi_z)
+    return pdf_facets_at(at, at.gaussian, wi_x, wi_y, wi_z)
 
 
 @kernel(forceinline=True)

@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from ._jit import kernel
+from .addresses import get_float
 from .environment import fetch_texels, map_coordinates
 from .lanes import DX, DY, DZ, PDF, A, B, C, D, U, V, X, Y
 from .light_leaves import choose_leaf, fetch_cell, fetch_leaf
@@ -82,22 +83,23 @@ def _step_to(level, begin, trees, light, lanes, n):
     """One step to ``level``: in its block's numbers from ``begin`` on, else by light; 1s below it.
 
     begin: of four sums for each block, or of four times four cells
+    By addresses, as which of two arrays it is cannot be foretold: a branch costs 5 ns a lane.
     """
-    numbers, cell, averages = lanes.numbers, lanes.cell, light.averages
-    stride, inside = (4, 0) if begin == SUMS_BEGIN else (BLOCK_CELLS, 3)
-    first = level_offset(level)
+    numbers, cell = lanes.numbers, lanes.cell
+    stride, inside = (4, 0) if begin == SUMS_BEGIN else (BLOCK_CELLS, BLOCK_CELLS - 1)
+    blocks = trees.ctypes.data + 4 * (begin - stride)  # block 0 is none
+    averages = light.averages.ctypes.data + 4 * level_offset(min(level, light.levels))
+    known = 0 if level > light.levels else -1
     for s in range(n):
-        block = lanes.block[s]
-        if block > 0:
-            child = lanes.tree[s] + (begin + stride * (block - 1) + 4 * (cell[s] & inside))
-            numbers[A + s], numbers[B + s] = trees[child], trees[child + 1]
-            numbers[C + s], numbers[D + s] = trees[child + 2], trees[child + 3]
-        elif level <= light.levels:
-            child = first + 4 * np.int64(cell[s])
-            numbers[A + s], numbers[B + s] = averages[child], averages[child + 1]
-            numbers[C + s], numbers[D + s] = averages[child + 2], averages[child + 3]
-        else:
-            numbers[A + s] = numbers[B + s] = numbers[C + s] = numbers[D + s] = _ONE
+        block, k = np.int64(lanes.block[s]), 4 * np.int64(cell[s])
+        by_block = blocks + 4 * (lanes.tree[s] + stride * block + (k & inside))
+        place = by_block if block > 0 else averages + 4 * (k & known)
+        numbers[A + s], numbers[B + s] = get_float(place), get_float(place + 4)
+        numbers[C + s], numbers[D + s] = get_float(place + 8), get_float(place + 12)
+    if level > light.levels:
+        for s in range(n):
+            if lanes.block[s] == 0:
+                numbers[A + s] = numbers[B + s] = numbers[C + s] = numbers[D + s] = _ONE
     _choose_children(numbers, lanes.quadrant, n)
     for s in range(n):
         cell[s] = 4 * cell[s] + lanes.quadrant[s]
@@ -124,13 +126,15 @@ def _descend_blocks(products, light, lanes, n):
         deeper = 2 * max(level - light.levels, 0)
         around = level_offset(min(level, light.levels))
         for s in range(n):
-            if lanes.block[s] > 0:
-                cell = lanes.cell[s]
-                k = BLOCK_CELLS * (lanes.block[s] - 1) + (cell & (BLOCK_CELLS - 1))
-                value = trees[lanes.tree[s] + (BLOCK_BEGIN + k)] / numbers[V + s]
-                numbers[PDF + s] *= np.float32(BLOCK_CELLS) * value
-                numbers[U + s] = light.averages[around + (cell >> deeper)]
-                lanes.block[s] = links[np.int64(lanes.point[s]) * stride + (BASE_CELLS + k)]
+            block, cell = np.int64(lanes.block[s]), np.int64(lanes.cell[s])
+            inside = block > 0  # if not, what is worked out means nothing
+            k = BLOCK_CELLS * max(block - 1, 0) + (cell & (BLOCK_CELLS - 1))
+            value = np.float32(BLOCK_CELLS) * trees[lanes.tree[s] + (BLOCK_BEGIN + k)]
+            here = light.averages[around + (cell >> deeper)]
+            link = links[np.int64(lanes.point[s]) * stride + (BASE_CELLS + k)]
+            numbers[PDF + s] *= value / numbers[V + s] if inside else _ONE
+            numbers[U + s] = here if inside else numbers[U + s]
+            lanes.block[s] = link if inside else 0
 
 
 @kernel

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .brdf import eval_lobes_at, pdf_narrowest_at, pdf_round_at
+from .brdf import eval_facets_at, eval_lobes_at, pdf_facets_at, pdf_narrowest_at, pdf_round_at
 from .bump import bump_gain
 from .environment import eval_map
 from .lanes import BLUE, DIFFUSE, DX, DY, DZ, GLOSSY, GREEN, LANES, OX, OY, OZ, PDF, RED, U, V
@@ -105,13 +105,14 @@ def _write_light(numbers, k, pdf, value):
         numbers[GLOSSY + LANES * c + k] = value[3 + c] * light
 
 
-@kernel
-def _weigh_glossy(at, share, numbers, s, end):
-    """The same for any point without a measured BRDF."""
+@kernel(forceinline=True)
+def _weigh_glossy(at, gaussian, share, numbers, s, end):
+    """The same for any point with gloss, but without a measured BRDF."""
     for k in range(s, end):
         wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
-        pdf = share * pdf_round_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
-        _write_light(numbers, k, pdf, eval_lobes_at(at, wx, wy, wz))
+        own = pdf_facets_at(at, gaussian, wx, wy, wz)
+        pdf = share * own + (_ONE - share) * numbers[PDF + k]
+        _write_light(numbers, k, pdf, eval_facets_at(at, gaussian, wx, wy, wz))
 
 
 @kernel
@@ -173,7 +174,9 @@ def weigh_run(task, share, p, lanes, s, end):
         _weigh_matte(at, share, lanes.numbers, s, end)
     elif at.kind & MEASURED_LOBE:
         _weigh_measured(at, share, lanes.numbers, s, end)
+    elif at.gaussian:
+        _weigh_glossy(at, True, share, lanes.numbers, s, end)
     else:
-        _weigh_glossy(at, share, lanes.numbers, s, end)
+        _weigh_glossy(at, False, share, lanes.numbers, s, end)
     if at.bump > _ZERO:
         _shadow_bumps(at, lanes.numbers, s, end)

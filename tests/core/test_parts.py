@@ -87,6 +87,41 @@ def test_a_part_can_be_called_by_python_as_well():
     assert _scaled(pair, 0, 2) == 36.0 and _swapped(pair).first[0] == 5.0
 
 
+@_jit.kernel
+def _indexed(a, at, out):
+    """Reads and writes by numbers with and without a sign, written ones, pairs, parts, slices."""
+    k, n = at[1], np.uint32(at[0])
+    out[0] = a[k, n] + a[2][k] + a[np.int32(1), 0]
+    out[n + np.uint32(1)] = a[k][1:][0]
+    row = a[k]
+    row[0], a[k, 2] = 9.0, 7.0
+    a[0, :] = 5.0
+    out[np.int8(2)] = a[..., 1][k]
+    return len(a[1:k])
+
+
+def test_any_index_finds_its_place(rng):
+    """As Python does, but for those that count from the end."""
+    a, out = rng.random((4, 3)), np.zeros(3)
+    expected_a, expected = a.copy(), out.copy()
+    at = np.int32([0, 2])
+    assert _indexed(a, at, out) == _indexed.py_func(expected_a, at, expected) == 1
+    np.testing.assert_array_equal(a, expected_a)
+    np.testing.assert_array_equal(out, expected)
+
+
+@_jit.kernel
+def _pick(a, k):
+    return a[k]
+
+
+def test_indices_are_not_asked_for_their_sign():
+    """That costs more than the access, and keeps loops out of vector instructions."""
+    fresh = Kernel(_pick.py_func, {}, _pick.targetoptions, _pick._compiler.pipeline_class)
+    assert fresh(np.arange(3.0), 1) == 1.0
+    assert "icmp slt" not in fresh.inspect_llvm(fresh.signatures[0])
+
+
 def test_pythons_garbage_is_collected_as_before_a_kernel_was_compiled():
     """Rarely while numba is at work: a tenth of its time."""
     before = gc.get_threshold()
