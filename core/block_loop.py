@@ -25,6 +25,7 @@ from .incremental import PixelSums, RayBatch, least_count, new_rays, select_poin
 from .lobes import Lobes
 from .neighbours import CELL_PX, Neighbours, fill_neighbours
 from .product import Products, new_products
+from .sample_order import MOST_ORDERED
 from .sequence import PixelSequence
 from .shading import ShadingPoints
 from .stop_rule import (
@@ -41,7 +42,7 @@ from .unbiased import Task, Work, build_products, new_work, take_samples
 
 BLOCK_POINTS = CELL_PX * CELL_PX
 # Samples between two looks at the flag of a cancel: some milliseconds.
-_BATCH = 8192
+_BATCH = MOST_ORDERED
 
 
 class Room(NamedTuple):

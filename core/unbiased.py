@@ -35,6 +35,7 @@ from .lobes import DIFFUSE_LOBE, Lobes
 from .lobes_at import lobes_at
 from .product import Products, new_products, pdf_product
 from .product_build import BlockScratch, build_product, new_block_scratch
+from .sample_order import SampleOrder, new_sample_order, order_samples
 from .sequence import PixelSequence, scramble
 from .shading import ShadingPoints
 from .sphere_map import sphere_to_square
@@ -69,7 +70,7 @@ class Work(NamedTuple):
 
     bits: uint32 (4 LANES,), rows of points and of their scrambles; share: float32 (LANES,), beta
     follows: int32 (LANES,), lanes; x, y: float32 (LANES,), their points
-    scratch: where products are worked out
+    scratch: where products are worked out; order: of the samples of a call
     """
 
     lanes: Lanes
@@ -79,6 +80,7 @@ class Work(NamedTuple):
     x: np.ndarray
     y: np.ndarray
     scratch: BlockScratch
+    order: SampleOrder
 
 
 def new_work() -> Work:
@@ -91,6 +93,7 @@ def new_work() -> Work:
         np.zeros(LANES, np.float32),
         np.zeros(LANES, np.float32),
         new_block_scratch(),
+        new_sample_order(),
     )
 
 
@@ -113,16 +116,23 @@ def build_products(lobes, light, products, scratch):
 
 
 @kernel(inline="always")
-def _fill_lanes(task, p, first, last, work, n):
-    """Put samples first ... last - 1 of point p into the lanes from n on."""
+def _fill_lanes(task, p, end, samples, k, work, n):
+    """Put those of samples[k:], int32, that are below end into the lanes of point p from n on.
+
+    Returns the next k and n.
+    """
     lanes, bits, sequence = work.lanes, work.bits, task.sequence
     share = np.float32(bsdf_share(task.products.follow[p], task.lobes.kind[p]))
     tree = np.int64(p) * task.products.trees.shape[1]
-    for k in range(first, last):
-        bits[n], bits[LANES + n] = sequence.points[k, 0], sequence.points[k, 1]
-        bits[2 * LANES + n], bits[3 * LANES + n] = sequence.x[p], sequence.y[p]
-        work.share[n], lanes.tree[n], lanes.point[n], lanes.sample[n] = share, tree, p, k
-        n += 1
+    while k < len(samples) and n < LANES:
+        i = samples[k]
+        k += 1
+        if i < end:
+            bits[n], bits[LANES + n] = sequence.points[i, 0], sequence.points[i, 1]
+            bits[2 * LANES + n], bits[3 * LANES + n] = sequence.x[p], sequence.y[p]
+            work.share[n], lanes.tree[n], lanes.point[n], lanes.sample[n] = share, tree, p, i
+            n += 1
+    return k, n
 
 
 @kernel
@@ -222,12 +232,18 @@ def _use_lanes(task, cut, work, n, traversal, sums, rays, m):
 def take_samples(task, work, active, n_active, first, counts, traversal, sums, rays):
     """Samples first ... first + counts[a] - 1 of each active point; how many have a ray.
 
-    active, counts: int32 (>= n_active,); sums: PixelSums, added to, but for their count.
+    active, counts: int32 (>= n_active,), at most MOST_ORDERED samples a point
+    sums: PixelSums, added to, but for their count
     rays: RayBatch; where it has room, the rays are written there instead, and nothing is traced.
     Lanes are filled over the borders of points, but not by points with and without blocks.
     """
     # Numbers of a type that is known: for literals, kernels are compiled once more.
-    m, n, a, k, cut = np.int64(0), np.int64(0), np.int64(0), np.int64(first), n_active < 0
+    m, n, a, k, cut = np.int64(0), np.int64(0), np.int64(0), np.int64(0), n_active < 0
+    most = np.int64(0)
+    for i in range(n_active):
+        most = max(most, counts[i])
+    order_samples(task.sequence, np.int64(first), most, work.order)
+    samples = work.order.samples[:most]
     while a < n_active or n > 0:
         p = active[min(a, n_active - 1)]
         if n > 0 and (a == n_active or n == LANES or (task.products.blocks[p] > 0) != cut):
@@ -235,11 +251,9 @@ def take_samples(task, work, active, n_active, first, counts, traversal, sums, r
             n = np.int64(0)
             continue
         cut = task.products.blocks[p] > 0
-        take = min(first + counts[a] - k, LANES - n)
-        _fill_lanes(task, p, k, k + take, work, n)
-        n, k = n + take, k + take
-        if k == first + counts[a]:
-            a, k = a + 1, np.int64(first)
+        k, n = _fill_lanes(task, p, first + counts[a], samples, k, work, n)
+        if k == most:
+            a, k = a + 1, np.int64(0)
     return m
 
 
