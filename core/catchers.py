@@ -79,8 +79,10 @@ def show_caught(
     place: int (n,), pixels of the layers, -1 = outside; sums: of the points
     """
     caught = np.flatnonzero(plays(scene, points, SHADOW_CATCHER) & (place >= 0))
-    hidden = plays(scene, points, HOLDOUT) & (place >= 0)
-    for rows in (caught, np.flatnonzero(hidden)):
+    hidden = np.flatnonzero(plays(scene, points, HOLDOUT) & (place >= 0))
+    if not len(caught) and not len(hidden):
+        return
+    for rows in (caught, hidden):
         for name in ("combined", "diffuse_direct", "glossy_direct", "emission"):
             flat = layers[name].reshape(-1, layers[name].shape[2])
             flat[place[rows]] = 0.0

@@ -45,8 +45,9 @@ class TileLamps:
 
     def __init__(self, scene: Scene, settings: RenderSettings, accel: Accel, n: int):
         soft = is_soft(scene.lamps)
-        self._soft, self._hard = scene.lamps.at(soft), scene.lamps.at(~soft)
         self._any, self._accel, self._settings = len(soft) > 0, accel, settings
+        if self._any:
+            self._soft, self._hard = scene.lamps.at(soft), scene.lamps.at(~soft)
         self._light = np.zeros((n if self._any else 0, COLUMNS))
         self._count = np.zeros(len(self._light), np.int32)
         # Powers of two: blocks of the sequence that fill a lamp evenly.
