@@ -5,6 +5,7 @@ import importlib
 import pkgutil
 from typing import NamedTuple
 
+import numba
 import numpy as np
 import pytest
 
@@ -115,6 +116,7 @@ def _pick(a, k):
     return a[k]
 
 
+@pytest.mark.skipif(bool(numba.config.BOUNDSCHECK), reason="bounds checks do ask for it")
 def test_indices_are_not_asked_for_their_sign():
     """That costs more than the access, and keeps loops out of vector instructions."""
     fresh = Kernel(_pick.py_func, {}, _pick.targetoptions, _pick._compiler.pipeline_class)
