@@ -13,7 +13,7 @@ import numpy as np
 
 from ._jit import kernel
 
-MOST_ORDERED = 8192  # samples of a call: those of a block's batch (block_loop.py)
+MOST_ORDERED = 8192  # samples at once: a block's batch (block_loop.py)
 _DIGITS = 4  # of a coordinate: 256 parts of the square
 _PARTS = 1 << (2 * _DIGITS)
 _FEW = 8  # go through Embree at once, whatever their order
@@ -52,7 +52,7 @@ def _part_of(sequence, k):
 def order_samples(sequence, first, count, order):
     """Write first ... first + count - 1 to order.samples, by parts of the square they fall into.
 
-    sequence: PixelSequence; order: SampleOrder
+    sequence: PixelSequence; count: at most MOST_ORDERED; order: SampleOrder
     """
     samples, part, begin = order.samples, order.part, order.begin
     if count <= _FEW:

@@ -35,7 +35,7 @@ from .lobes import DIFFUSE_LOBE, Lobes
 from .lobes_at import lobes_at
 from .product import Products, new_products, pdf_product
 from .product_build import BlockScratch, build_product, new_block_scratch
-from .sample_order import SampleOrder, new_sample_order, order_samples
+from .sample_order import MOST_ORDERED, SampleOrder, new_sample_order, order_samples
 from .sequence import PixelSequence, scramble
 from .shading import ShadingPoints
 from .sphere_map import sphere_to_square
@@ -228,22 +228,11 @@ def _use_lanes(task, cut, work, n, traversal, sums, rays, m):
     return m + n_rays
 
 
-@kernel
-def take_samples(task, work, active, n_active, first, counts, traversal, sums, rays):
-    """Samples first ... first + counts[a] - 1 of each active point; how many have a ray.
-
-    active, counts: int32 (>= n_active,), at most MOST_ORDERED samples a point
-    sums: PixelSums, added to, but for their count
-    rays: RayBatch; where it has room, the rays are written there instead, and nothing is traced.
-    Lanes are filled over the borders of points, but not by points with and without blocks.
-    """
+@kernel(inline="always")
+def _take_in_order(task, work, active, n_active, first, counts, some, traversal, sums, rays, m):
+    """take_samples for some samples, int32; rays are written from m on. Returns the next m."""
     # Numbers of a type that is known: for literals, kernels are compiled once more.
-    m, n, a, k, cut = np.int64(0), np.int64(0), np.int64(0), np.int64(0), n_active < 0
-    most = np.int64(0)
-    for i in range(n_active):
-        most = max(most, counts[i])
-    order_samples(task.sequence, np.int64(first), most, work.order)
-    samples = work.order.samples[:most]
+    n, a, k, cut = np.int64(0), np.int64(0), np.int64(0), n_active < 0
     while a < n_active or n > 0:
         p = active[min(a, n_active - 1)]
         if n > 0 and (a == n_active or n == LANES or (task.products.blocks[p] > 0) != cut):
@@ -251,9 +240,31 @@ def take_samples(task, work, active, n_active, first, counts, traversal, sums, r
             n = np.int64(0)
             continue
         cut = task.products.blocks[p] > 0
-        k, n = _fill_lanes(task, p, first + counts[a], samples, k, work, n)
-        if k == most:
+        k, n = _fill_lanes(task, p, first + counts[a], some, k, work, n)
+        if k == len(some):
             a, k = a + 1, np.int64(0)
+    return m
+
+
+@kernel
+def take_samples(task, work, active, n_active, first, counts, traversal, sums, rays):
+    """Samples first ... first + counts[a] - 1 of each active point; how many have a ray.
+
+    active, counts: int32 (>= n_active,); sums: PixelSums, added to, but for their count.
+    rays: RayBatch; where it has room, the rays are written there instead, and nothing is traced.
+    Lanes are filled over the borders of points, but not by points with and without blocks.
+    """
+    m, most, begin = np.int64(0), np.int64(0), np.int64(0)
+    for a in range(n_active):
+        most = max(most, counts[a])
+    while begin < most:
+        size = min(most - begin, MOST_ORDERED)
+        order_samples(task.sequence, first + begin, size, work.order)
+        some = work.order.samples[:size]
+        m = _take_in_order(
+            task, work, active, n_active, first, counts, some, traversal, sums, rays, m
+        )
+        begin += size
     return m
 
 
@@ -275,8 +286,8 @@ class UnbiasedSampler:
         glossy = bool((lobes.kind > DIFFUSE_LOBE).any())
         products, self._work = new_products(len(points.pixel), glossy), new_work()
         build_products(lobes, light, products, self._work.scratch)
-        own = products, new_guides(0), sequence
-        self._task = Task(points, lobes, light, *own, np.float32(offset))
+        own = products, new_guides(0), sequence, np.float32(offset)
+        self._task = Task(points, lobes, light, *own)
 
     def lit(self) -> np.ndarray:
         """See incremental.Sampler."""
@@ -287,6 +298,5 @@ class UnbiasedSampler:
 
     def sample(self, active: np.ndarray, first: int, counts: np.ndarray, rays: RayBatch) -> int:
         """See incremental.Sampler."""
-        nothing = new_sums(0)
-        work, n = self._work, len(active)
-        return take_samples(self._task, work, active, n, first, counts, NOTHING, nothing, rays)
+        own = self._task, self._work, active, len(active), first, counts
+        return take_samples(*own, NOTHING, new_sums(0), rays)

@@ -48,6 +48,14 @@ def test_samples_lie_where_the_product_is():
     assert len(view.directions) <= view.count == 32
 
 
+def test_a_pixel_of_very_many_samples_shows_each_once():
+    """More than are put in order at once (sample_order.py)."""
+    settings = RenderSettings(**SETTINGS | {"max_samples": 20_000})
+    view = look_at_pixel(varied_scene(), settings, 20, 14, 64)
+    assert view.count == 20_000 and len(view.directions) > 0.9 * view.count
+    assert len(np.unique(view.directions, axis=0)) > 0.999 * len(view.directions)
+
+
 def test_the_picture_has_both_colors_of_dots():
     """Red ones of the samples that saw light, blue ones of the others, four maps in a frame."""
     view = look_at_pixel(varied_scene(), RenderSettings(**SETTINGS), 20, 14, 64)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from iwis.core import incremental
 from iwis.core.sample_order import MOST_ORDERED, new_sample_order, order_samples
 from iwis.core.sequence import common_points, pixel_sequence, sequence_point
 
@@ -38,8 +37,3 @@ def test_neighbours_in_the_square_follow_each_other(decorrelation):
             size = np.ptp(part, axis=0)
             # Halton's second number has digits in base 3: a few of 16 may stand elsewhere.
             assert size.max() < 0.5 if decorrelation == "OWEN" else np.median(size) < 0.6
-
-
-def test_a_call_has_room_for_every_batch():
-    """Loops that write rays take as many samples of a point at once."""
-    assert incremental._BATCH_RAYS <= MOST_ORDERED
