@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from .backdrop import Backdrop
-from .cutouts import in_holes
+from .cutouts import in_holes, opacity_of
 from .incremental import PixelSums
 from .pass_sums import PassSums, add_background, add_seen, new_pass_sums
 from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
@@ -53,6 +53,7 @@ class CaughtPasses:
         behind *= np.float32(scene.environment.visible_to_camera)
         add_seen(points.pixel, points.normal, seen.lobes, sums, self._sums)
         add_background(points.pixel, behind, False, self._sums)
+        self._sums.opaque[points.pixel] += opacity_of(points.through)
         if scene.transparent_film:
             behind = np.ones_like(behind)
         share = arriving(sums.diffuse + sums.glossy, sums.unoccluded)
@@ -68,7 +69,8 @@ class CaughtPasses:
         share = arriving((sums.diffuse + sums.glossy)[rows], sums.unoccluded[rows])
         passes = np.maximum(passes, 1)[:, None]
         behind = sums.environment[rows] / passes * scene.exposure
-        _write(scene, layers, slice(None), share, behind, hits / passes)
+        opaque = sums.opaque[rows] / passes[:, 0]
+        _write(scene, layers, slice(None), share, behind, hits / passes, opaque)
 
 
 def show_caught(
@@ -91,15 +93,19 @@ def show_caught(
     share = arriving((sums.diffuse + sums.glossy)[caught], sums.unoccluded[caught])
     behind = world.radiance(-points.wo[caught]) * points.through[caught] * scene.exposure
     behind = behind * np.float32(scene.environment.visible_to_camera)
-    _write(scene, layers, place[caught], share, behind, np.ones((len(caught), 1)))
+    opaque = opacity_of(points.through[caught])
+    _write(scene, layers, place[caught], share, behind, np.ones((len(caught), 1)), opaque)
 
 
-def _write(scene, layers, where, share, behind, part) -> None:
-    """Add a share of what is behind, or opacity, of a part of pixels; write the layer there."""
+def _write(scene, layers, where, share, behind, part, opaque) -> None:
+    """Add a share of what is behind, or opacity, of a part of pixels; write the layer there.
+
+    opaque: of the pixels, what panes before the catchers have taken of the light
+    """
     combined = layers["combined"].reshape(-1, 4)
     gray = share.mean(axis=1)
     if scene.transparent_film:
-        combined[where, 3] += part[:, 0] * (1.0 - gray)
+        combined[where, 3] += part[:, 0] * (1.0 - gray) + opaque * gray
     else:
         combined[where, :3] += behind * gray[:, None]
     layers["shadow_catcher"].reshape(-1, 3)[where] = 1.0 + part * (share - 1.0)

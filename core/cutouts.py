@@ -1,8 +1,9 @@
 """Surfaces that let a part of the rays through: leaves, fences, mixtures with Transparent BSDF.
 
 Whether a ray goes on is drawn, with the share that the material lets through as probability; so a
-ray is never split. Shadow rays that ask Embree alone (opacity.py) draw for each color; those here
-are yes or no. What does not let a ray through is brighter by the inverse of the probability of that
+ray is never split. The camera's rays always go on through a pane, which shows nothing itself.
+Shadow rays that ask Embree alone (opacity.py) draw for each color; those here are yes or no. What
+does not let a ray through is brighter by the inverse of the probability of that
 (docs/decisions/0022-closures-and-cut-outs.md).
 """
 
@@ -13,7 +14,7 @@ import numpy as np
 from .nodes import Evaluation, ShadeContext
 from .poses import points_at_rest, posed_points
 from .program import Program
-from .scene import Scene
+from .scene import BLACK, Scene
 from .shading import ShadingPoints
 
 # Surfaces that a ray goes through; the next one is opaque. Cycles' own limit is 8, and black.
@@ -47,12 +48,15 @@ def passing_shares(scene: Scene, points: ShadingPoints, shadow: bool = False) ->
 
     shadow: whether they are shadow rays, which a material may be told (Light Path)
     """
-    return share_of(_passing_colors(scene, points, shadow))
+    return share_of(_passing_colors(scene, points, shadow)[0])
 
 
-def _passing_colors(scene: Scene, points: ShadingPoints, shadow: bool) -> np.ndarray:
-    """float32 (n, 3): what goes on at each point."""
+def _passing_colors(
+    scene: Scene, points: ShadingPoints, shadow: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """float32 (n, 3): what goes on at each point; bool (n,): whether that is on a pane."""
     colors = np.zeros((len(points.pixel), 3), np.float32)
+    panes = np.zeros(len(colors), np.bool_)
     rows = scene.mesh.material_index[points.triangle]
     for row in np.unique(rows):
         program = scene.shaders.programs[row]
@@ -61,7 +65,14 @@ def _passing_colors(scene: Scene, points: ShadingPoints, shadow: bool) -> np.nda
             at_rest = points_at_rest(scene.pose, scene.mesh, points.at(which))
             context = ShadeContext.of_points(scene, at_rest, shadow)
             colors[which] = passing_color(program, Evaluation(program, context))
-    return colors
+            panes[which] = _is_pane(program)
+    return colors, panes
+
+
+def _is_pane(program: Program) -> bool:
+    """Whether a material that lets rays through shows nothing itself: a lone Transparent BSDF."""
+    own = program.emission is not None or program.holdout is not None
+    return not own and all(closure.model == BLACK for closure in program.closures)
 
 
 def passing_color(program: Program, evaluation: Evaluation) -> np.ndarray:
@@ -125,8 +136,8 @@ def points_through(
         return points
     ended, numbers = [], None if dither is None else np.array(dither, np.float64)
     for _ in range(MOST_LAYERS):
-        color = _passing_colors(scene, points, False)
-        passing = share_of(color)
+        color, panes = _passing_colors(scene, points, False)
+        passing = np.where(panes & color.any(axis=1), np.float32(1.0), share_of(color))
         number = np.full(len(passing), 0.5) if numbers is None else numbers[points.pixel]
         goes = number < passing
         ended.append(points.at(~goes))
@@ -145,6 +156,11 @@ def points_through(
     found = ShadingPoints(*map(np.concatenate, zip(*ended, strict=True)))
     found = found.at(np.argsort(found.pixel, kind="stable"))
     return found._replace(through=tints[found.pixel])
+
+
+def opacity_of(tints: np.ndarray) -> np.ndarray:
+    """float32 (n,): the opacity of a film where rays with these tints have met nothing."""
+    return np.maximum(np.float32(1.0) - tints.mean(axis=1), np.float32(0.0))
 
 
 def behind(points: ShadingPoints, offset: float) -> tuple[np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ import numpy as np
 from ._jit import kernel
 from .backdrop import Backdrop
 from .camera import view_depth
+from .cutouts import opacity_of
 from .film import new_layers
 from .incremental import PixelSums
 from .lobes import Lobes
@@ -149,8 +150,8 @@ def _write_background(scene, world, missed, flat) -> None:
         flat.environment[place] = radiance
         if not scene.transparent_film:
             flat.combined[place, :3] = radiance
-    if not scene.transparent_film:
-        flat.combined[place, 3] = 1.0
+    opaque = not scene.transparent_film
+    flat.combined[place, 3] = 1.0 if opaque else opacity_of(missed.through[inside])
 
 
 def filtered_layers(
@@ -190,7 +191,7 @@ def filtered_layers(
     combined = _flat(layers, "combined")
     combined[:, :3] = light["diffuse"] + light["glossy"] + light["emission"]
     if scene.transparent_film:
-        combined[:, 3] = (sums.hits + sums.blind) / passes[:, 0]
+        combined[:, 3] = (sums.hits + sums.opaque) / passes[:, 0]
     else:
         combined[:, :3] += values["environment"]
         combined[:, 3] = 1.0

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from .camera import camera_rays, pixel_grid
+from .cutouts import opacity_of
 from .develop import filtered_layers
 from .film import Tile
 from .neighbours import cell_order
@@ -231,8 +232,9 @@ class FilteredTile:
     def _add_world(self, pixels, directions, tints) -> None:
         scene, looks = self._job.scene, directions.any(axis=1)
         if not looks.all():
-            self._sums.blind[pixels[~looks]] += 1
+            self._sums.opaque[pixels[~looks]] += 1
             pixels, directions, tints = pixels[looks], directions[looks], tints[looks]
+        self._sums.opaque[pixels] += opacity_of(tints)
         if not len(pixels) or not scene.environment.visible_to_camera:
             return
         radiance = self._job.seen_world.radiance(directions) * tints

@@ -27,8 +27,9 @@ _PRIOR_PASSES = 2.0
 class PassSums(NamedTuple):
     """Sums over the passes of each pixel; 140 bytes a pixel.
 
-    passes, hits, blind: int32 (n,), rays taken, those that saw an object, and those outside a
-        panorama's image circle: black, and opaque even where the world is transparent, as in Cycles
+    passes, hits: int32 (n,), rays taken, and those that saw an object
+    opaque: float32 (n,), of the other rays, those that a film without a world does not let through:
+        outside a panorama's image circle, as in Cycles, and what panes have taken
     count, visible: int32 (n,), shadow rays, and those that reached the light
     diffuse, glossy, unoccluded, emission, environment: float32 (n, 3), light
     diffuse_color, glossy_color, normal: float32 (n, 3)
@@ -39,7 +40,7 @@ class PassSums(NamedTuple):
 
     passes: np.ndarray
     hits: np.ndarray
-    blind: np.ndarray
+    opaque: np.ndarray
     count: np.ndarray
     visible: np.ndarray
     diffuse: np.ndarray
@@ -59,7 +60,9 @@ class PassSums(NamedTuple):
 def new_pass_sums(n: int) -> PassSums:
     """Zero sums for n pixels."""
     return PassSums(
-        *(np.zeros(n, np.int32) for _ in range(5)),
+        *(np.zeros(n, np.int32) for _ in range(2)),
+        np.zeros(n, np.float32),
+        *(np.zeros(n, np.int32) for _ in range(2)),
         *(np.zeros((n, 3), np.float32) for _ in range(8)),
         np.full(n, np.inf, np.float32),
         np.zeros(n),

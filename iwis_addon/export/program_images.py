@@ -71,8 +71,16 @@ def _read_image(image, image_user) -> ImageTiles:
     return ImageTiles({(0, 0): rgba}, encoded)
 
 
-def _read_tiles(image, image_user) -> ImageTiles:
+def _read_tiles(image, _image_user) -> ImageTiles:
     """The tiles of a UDIM image, each from its own file, or from what is packed."""
+    try:
+        return _read_all_tiles(image)
+    except OSError as error:
+        told = f"cannot be put into the temporary folder ({error.strerror or error})"
+        raise ImageError(f"image {image.name!r}: its packed tiles {told}: make room") from None
+
+
+def _read_all_tiles(image) -> ImageTiles:
     packed = {entry.tile_number: entry for entry in image.packed_files}
     tiles, encoded = {}, False
     with tempfile.TemporaryDirectory(prefix="iwis-tiles-") as folder:

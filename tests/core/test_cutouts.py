@@ -117,38 +117,61 @@ def test_layers_are_drawn_apart():
 _TINT = np.float32([0.9, 0.5, 0.1])
 
 
-@pytest.mark.parametrize("behind", ["the world", "a floor", "a shadow catcher"])
-def test_tinted_card_colors_what_is_behind_it(behind):
-    """Of white things behind it the camera sees the tint; its opacity is the rest of the mean.
+def _pane(color=_TINT) -> Program:
+    """A lone Transparent BSDF."""
+    return Program(ops=(), closures=(Closure(BLACK, GGX, _ONE, {}),), transparent=color)
 
-    The card stops half of the rays, by a stratified draw of 64 passes: 1.5 / 64 of each pixel.
+
+@pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
+@pytest.mark.parametrize("behind", ["the world", "a floor", "a shadow catcher"])
+def test_pane_colors_what_is_behind_it(behind, pixel_filter):
+    """Of white things behind it the camera sees the tint, without noise, in every pixel.
+
+    Its opacity is the rest of the tint's mean, but before a floor. The floor's own light is noisy:
+    a deviation of .6 % at 512 samples.
     """
     camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 16, 16, 0.4)
     parts = [floor(), *([floor(500.0, -0.5)] if behind != "the world" else [])]
     materials = [diffuse(), diffuse((1.0, 1.0, 1.0))][: len(parts)]
     scene = make_scene(parts, materials, constant_world(), camera)
-    tint = Program(ops=(), closures=(Closure(BLACK, GGX, _ONE, {}),), transparent=_TINT)
-    scene = with_programs(scene, *[tint, None][: len(parts)])
+    scene = with_programs(scene, *[_pane(), None][: len(parts)])
     plain = CAMERA_RAYS | SHADOW_RAYS
     flags = np.uint8([CAMERA_RAYS, plain][: len(parts)])
     if behind == "a shadow catcher":
         flags[1] |= SHADOW_CATCHER
     scene = dataclasses.replace(scene, object_flags=flags)
-    settings = {"max_samples": 512, "stop_rule": "FIXED", "pixel_filter": "BOX"}
+    settings = {"max_samples": 512, "stop_rule": "FIXED", "pixel_filter": pixel_filter}
     shown = make_picture(scene, **settings)[0]["combined"]
-    np.testing.assert_allclose(shown[..., :3], np.broadcast_to(_TINT, (16, 16, 3)), rtol=0.05)
+    noise = 0.03 if behind == "a floor" else 0.003
+    np.testing.assert_allclose(shown[..., :3], np.broadcast_to(_TINT, (16, 16, 3)), rtol=noise)
     film = dataclasses.replace(scene, transparent_film=True)
     alpha = make_picture(film, **settings)[0]["combined"][..., 3]
     expected = 1.0 if behind == "a floor" else 1.0 - _TINT.mean()
-    np.testing.assert_allclose(alpha, expected, atol=1.5 / 64)
+    np.testing.assert_allclose(alpha, expected, atol=0.003)
 
 
 @pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
-def test_tint_of_a_pixel_at_its_centre(pixel_filter):
-    """Drawn at pixel centres, as any share: black or the tint over its mean."""
+def test_panes_multiply(pixel_filter):
+    """Three panes one behind the other; a black one ends the rays."""
+    camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 8, 8, 0.4)
+    parts = [floor(50.0, -0.1 * k) for k in range(3)]
+    scene = make_scene(parts, [diffuse()] * 3, constant_world(), camera)
+    scene = dataclasses.replace(scene, transparent_film=True)
+    for last, expected in ((_TINT, _TINT**3), (np.zeros(3, np.float32), np.zeros(3))):
+        panes = with_programs(scene, _pane(), _pane(), _pane(last))
+        layers, _ = make_picture(panes, max_samples=8, pixel_filter=pixel_filter)
+        alpha, world = layers["combined"][..., 3], layers["environment"]
+        np.testing.assert_allclose(alpha, 1.0 - expected.mean(), atol=1e-5)
+        np.testing.assert_allclose(world, np.broadcast_to(expected, world.shape), atol=1e-5)
+
+
+@pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
+def test_surface_that_shows_itself_is_drawn_by_its_share(pixel_filter):
+    """Tinted, and black beside that: rays end or take the tint over its mean."""
     camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 16, 16, 0.4)
     scene = make_scene([floor()], [diffuse()], constant_world(), camera)
-    tint = Program(ops=(), closures=(Closure(BLACK, GGX, _ONE, {}),), transparent=_TINT)
+    black = Closure(DIFFUSE, GGX, np.zeros(3, np.float32), {})
+    tint = Program(ops=(), closures=(black,), transparent=_TINT)
     shown = make_picture(with_programs(scene, tint), pixel_filter=pixel_filter, max_samples=8)
     shown = shown[0]["combined"][..., :3].reshape(-1, 3)
     ratio = shown / (_TINT / _TINT.mean())

@@ -1,0 +1,51 @@
+"""UDIM images that are packed into the .blend pass through the temporary folder."""
+
+import shutil
+import tempfile
+
+import bpy
+import numpy as np
+import pytest
+
+from iwis.iwis_addon.export.image import ImageError
+from iwis.iwis_addon.export.program_images import ImageStore
+
+
+@pytest.fixture
+def packed(scene, tmp_path, rng):
+    """Two tiles, whose files are gone: (image, bytes (2, h, w, 4), from the bottom)."""
+    folder = tmp_path / "tiles"
+    folder.mkdir()
+    texels = rng.integers(0, 256, (2, 4, 8, 4), np.uint8)
+    texels[..., 3] = 255
+    for number, tile in zip((1001, 1002), texels, strict=True):
+        made = bpy.data.images.new("tile", 8, 4)
+        made.pixels.foreach_set((tile / np.float32(255.0)).astype(np.float32).ravel())
+        made.filepath_raw, made.file_format = str(folder / f"t.{number}.png"), "PNG"
+        made.save()
+    image = bpy.data.images.load(str(folder / "t.1001.png"))
+    image.source, image.filepath_raw = "TILED", str(folder / "t.<UDIM>.png")
+    image.tiles.new(1002)
+    image.pack()
+    shutil.rmtree(folder)
+    return image, texels
+
+
+def test_tiles_are_read_and_leave_nothing(packed, monkeypatch, tmp_path):
+    """The bytes, and an empty temporary folder afterwards."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    image, texels = packed
+    before = len(bpy.data.images)
+    tiles = ImageStore().tiles(image, None)
+    assert tiles.encoded
+    for column in range(2):
+        np.testing.assert_array_equal(tiles.tiles[column, 0], texels[column])
+    assert not list(tmp_path.iterdir()) and len(bpy.data.images) == before
+
+
+def test_temporary_folder_that_cannot_be_written_is_told(packed, monkeypatch, tmp_path):
+    """By an error that names the image and what to do: the export warns, and shows pink."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "none"))
+    image, _ = packed
+    with pytest.raises(ImageError, match=rf"{image.name!r}.*temporary folder.*make room"):
+        ImageStore().tiles(image, None)
