@@ -2,8 +2,9 @@
 
 The points of a cell of 8 x 8 pixels see much the same occluders. Where a part V of the rays into a
 cell of the product's base was free, a sample's second moment is L^2 B^2 V / pdf, so its variance is
-least for pdf ~ L B sqrt(V): the product is scaled by that. Every round is unbiased given those
-before it, whatever they have learnt, and so is their sum.
+least for pdf ~ L B sqrt(V); but nets leave little of the variance where all is free, so the product
+is scaled by sqrt(V (1 - V / 2)). Every round is unbiased given those before it, whatever they have
+learnt, and so is their sum.
 
 V of a cell leans on that of the cell four times as large, as if _TRUST rays had seen that, and so
 on up to the whole sphere. docs/decisions/0016-learnt-visibility.md has the figures.
@@ -22,6 +23,7 @@ from .pyramid import level_offset
 
 _TRUST = np.float32(8.0)
 _LEAST = np.float32(0.05)  # gain: nothing is given up, and no sample is 20 times too bright
+_ONE, _SMOOTH = np.float32(1.0), np.float32(0.5)
 _FIRST, _FACTOR = 2, 4  # learn at 2 samples of a point, 8, 32, 128 ...
 _FULL = np.uint16(65535)
 
@@ -102,14 +104,15 @@ def learn(guide, taken, room):
         part[BASE_BEGIN + c] = np.float32(guide.free[0, c])
     sum_base(asked)
     sum_base(part)
-    part[0] = (part[0] + np.float32(1.0)) / (asked[0] + np.float32(2.0))
+    part[0] = (part[0] + _ONE) / (asked[0] + np.float32(2.0))
     for level in range(1, BASE_LEVEL + 1):
         begin, above = level_offset(level), level_offset(level - 1)
         for k in range(1 << (2 * level)):
             prior = _TRUST * part[above + (k >> 2)]
             part[begin + k] = (part[begin + k] + prior) / (asked[begin + k] + _TRUST)
     for c in range(BASE_CELLS):
-        new = max(np.sqrt(part[BASE_BEGIN + c]), _LEAST)
+        free = part[BASE_BEGIN + c]
+        new = max(np.sqrt(free * (_ONE - _SMOOTH * free)), _LEAST)
         room.ratio[c] = new / gain[c]
         gain[c] = new
     guide.learnt[0] = taken
