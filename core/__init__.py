@@ -9,7 +9,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
-    glossy_normal, lamp_shapes, emitter_tree, sheen, islands,
+    glossy_normal, lamp_shapes, emitter_tree, sheen, islands, embree_hits,
     bump, stretched, lobes
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse

@@ -24,7 +24,8 @@ from .embree_rays import Traversal
 POLL_SECONDS = 0.01
 _NATIVE_PACKETS_OF_8 = 33  # RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
 _FILTER_FUNCTIONS = 66  # RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED
-# A ray through an edge hits one of its triangles (without: one in 20 slips through).
+# A ray through an edge hits one of its triangles (without: one in 20 slips through, but the others
+# take less time).
 ROBUST = 4
 _INDEX, _VERTEX, _UINT3, _FLOAT3, _TRIANGLES = 0, 1, 0x5003, 0x9003, 0
 _OUT_OF_MEMORY, _CANCELLED = 4, 6
@@ -122,18 +123,20 @@ class EmbreeScene:
         triangles: np.ndarray,
         shadow_filter: ShadowFilter | None = None,
         beside: EmbreeScene | None = None,
+        aside: float = 0.0,
     ):
         """Ready to be committed. vertices: float32 (n, 3); triangles: int32 (m, 3), m > 0.
 
         shadow_filter: which hits of shadow rays count; the camera's rays are not asked
         beside: a scene whose device it shares, so that both can be parts of one more
+        aside: of Traversal; 0: no ray slips through an edge
         Both arrays are read in place. Triangles with a corner that is not finite are never hit.
         Raises OSError where there is no library, MemoryError or RuntimeError.
         """
         self.handle = self.device = None
         self._library = load_library()
         self._arrays = _readable(vertices), triangles  # Embree reads them, and owns nothing
-        self._filter = shadow_filter
+        self._filter, self._aside = shadow_filter, aside
         # Not "threads=N": it would bind all users of TBB in the process, Blender's too.
         if beside is None:
             self.device = self._library.rtcNewDevice(b"")
@@ -143,7 +146,7 @@ class EmbreeScene:
         self.check()
         self.handle = self._library.rtcNewScene(self.device)
         self.check()
-        self._library.rtcSetSceneFlags(self.handle, ROBUST)
+        self._library.rtcSetSceneFlags(self.handle, 0 if aside else ROBUST)
         self._attach(*self._arrays)
         self.check()
 
@@ -214,7 +217,8 @@ class EmbreeScene:
         )
         native = library.rtcGetDeviceProperty(self.device, _NATIVE_PACKETS_OF_8)
         colored = self._filter is not None and self._filter.colored
-        return Traversal(self.handle, one, eight if native else 0, nearest, colored)
+        eight = eight if native else 0
+        return Traversal(self.handle, one, eight, nearest, colored, self._aside)
 
     def close(self) -> None:
         """Free the hierarchy; it must not be asked any more."""

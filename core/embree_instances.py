@@ -9,9 +9,8 @@ import ctypes
 
 import numpy as np
 
-from ._jit import kernel
 from .embree import ROBUST, EmbreeScene, load_library
-from .embree_rays import Traversal, intersect_instances
+from .embree_rays import Traversal
 
 _INSTANCE, _ROWS_OF_3X4 = 121, 0x9134
 _HANDLE = ctypes.c_void_p
@@ -59,8 +58,8 @@ class InstanceScene:
     def traversal(self) -> Traversal:
         """See EmbreeScene."""
         found = [part.traversal() for part in self._parts]
-        colored = any(one.colored for one in found)
-        return found[0]._replace(scene=self.handle, colored=colored)
+        colored, aside = any(one.colored for one in found), max(one.aside for one in found)
+        return found[0]._replace(scene=self.handle, colored=colored, aside=aside)
 
     def close(self) -> None:
         """Free it; it must not be asked any more."""
@@ -69,21 +68,3 @@ class InstanceScene:
         self.handle = None
 
     __del__ = close
-
-
-@kernel
-def _to_rows(triangle, part, first, rows):
-    for k in range(len(triangle)):
-        if triangle[k] >= 0:
-            triangle[k] = rows[first[part[k]] + triangle[k]]
-
-
-def nearest_hits(traversal: Traversal, origins, directions, first, rows):
-    """See Accel.intersect. rows: int32, triangles of the whole mesh by parts, the parts' from
-    first, int64 (n,), on"""
-    n = len(origins)
-    triangle, part = np.empty(n, np.int32), np.empty(n, np.int32)
-    u, v = np.empty(n, np.float32), np.empty(n, np.float32)
-    intersect_instances(traversal, origins, directions, triangle, part, u, v)
-    _to_rows(triangle, part, first, rows)
-    return triangle, u, v

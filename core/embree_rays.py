@@ -3,11 +3,14 @@
 The addresses are run-time numbers, so that kernels stay in the disk cache. A ray, and a packet of
 rays of width w, is rows of w 32-bit numbers (Embree's rtcore_ray.h):
 
-    origin 0-2, tnear 3, direction 4-6, time 7, tfar 8, mask 9, id 10, flags 11    RTCRay
-    Ng 12-14, u 15, v 16, primID 17, geomID 18, instance 19 and up                 RTCHit
+    origin 0-2, tnear 3, direction 4-6, time 7, tfar 8, mask 9, id 10, flags 11
 
-An occluded ray comes back with tfar = -inf; primID stays as it was where nothing is hit. What
-colors are blocked, bits 0 to 2, comes back in its ID where a filter is colored (embree_filter.py).
+An occluded ray comes back with tfar = -inf. What colors are blocked, bits 0 to 2, comes back in its
+ID where a filter is colored (embree_filter.py). The nearest hits are in embree_hits.py.
+
+A hierarchy may let a ray in a million slip through between two triangles. Of one that found nothing
+another is asked that starts beside it; in lanes only where that would be seen (trace_lanes.py);
+docs/decisions/0030-rays-through-edges.md.
 """
 
 from __future__ import annotations
@@ -21,11 +24,12 @@ from .addresses import call, get_float, get_int, put, stack
 
 _WIDTH = 8
 _RAY, _ID = 12, 10
-_RAY_HIT = 32  # 19, 2 for each level of instances, and room to spare
 _PACKET = _RAY * _WIDTH
 _FOREVER = np.float32(np.inf)
 _ZERO = np.float32(0.0)
 _ALL = np.uint32(0xFFFFFFFF)  # every bit of a mask; a lane in use; no triangle
+# Two vectors that no ray is along at once.
+_ONE_WAY, _OTHER_WAY = (0.48, 0.6, 0.64), (-0.64, 0.6, 0.48)
 
 
 class Traversal(NamedTuple):
@@ -37,6 +41,8 @@ class Traversal(NamedTuple):
     occluded1, occluded8, intersect1: where these functions of Embree begin; occluded8 is 0 where
         the processor has no registers for 8 rays
     colored: whether red, green and blue light may be blocked each for itself
+    aside: float, metres that a ray which is asked again starts beside the first one; 0: no ray
+        slips through, none is asked again
     """
 
     scene: int
@@ -44,6 +50,7 @@ class Traversal(NamedTuple):
     occluded8: int
     intersect1: int
     colored: bool = False
+    aside: float = 0.0
 
 
 NOTHING = Traversal(0, 0, 0, 0)
@@ -51,7 +58,7 @@ ALL_COLORS = 7
 
 
 @kernel(forceinline=True)
-def _put_ray(lane, row, ox, oy, oz, dx, dy, dz):
+def put_ray(lane, row, ox, oy, oz, dx, dy, dz):
     """Write a ray to one lane of a packet whose rows are so many bytes long."""
     put(lane, np.float32(ox))
     put(lane + row, np.float32(oy))
@@ -63,7 +70,7 @@ def _put_ray(lane, row, ox, oy, oz, dx, dy, dz):
 
 
 @kernel(forceinline=True)
-def _put_constants(lane, row):
+def put_constants(lane, row):
     """Write what all rays have in common."""
     put(lane + 3 * row, _ZERO)
     put(lane + 7 * row, _ZERO)
@@ -85,10 +92,56 @@ def blocked_one(traversal, ox, oy, oz, dx, dy, dz):
     if traversal.scene == 0:
         return 0
     ray = stack(_RAY)
-    _put_constants(ray, 4)
-    _put_ray(ray, 4, ox, oy, oz, dx, dy, dz)
+    put_constants(ray, 4)
+    put_ray(ray, 4, ox, oy, oz, dx, dy, dz)
     call(traversal.occluded1, (traversal.scene, ray, 0))
     return _blocked_colors(ray, 4)
+
+
+@kernel(forceinline=True)
+def _cross(ax, ay, az, bx, by, bz):
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+
+
+@kernel(forceinline=True)
+def start_aside(ox, oy, oz, dx, dy, dz, aside, look):
+    """Where a ray starts so many metres beside one from (ox, oy, oz) along (dx, dy, dz).
+
+    look: 0, or 1 for a place at a right angle to that: no edge is along both ways
+    """
+    kx, ky, kz = _ONE_WAY
+    along, length = kx * dx + ky * dy + kz * dz, dx * dx + dy * dy + dz * dz
+    if along * along > 0.9 * length:
+        kx, ky, kz = _OTHER_WAY
+    x, y, z = _cross(dx, dy, dz, kx, ky, kz)
+    if look == 1:
+        x, y, z = _cross(dx, dy, dz, x, y, z)
+    by = aside / np.sqrt(x * x + y * y + z * z)
+    return ox + by * x, oy + by * y, oz + by * z
+
+
+@kernel(forceinline=True)
+def _blocked_within(traversal, ray, ox, oy, oz, dx, dy, dz, reach):
+    """The colors that something blocks before ``reach``; ray: on the stack, with the constants."""
+    put_ray(ray, 4, ox, oy, oz, dx, dy, dz)
+    put(ray + 32, np.float32(reach))
+    put(ray + 4 * _ID, _ZERO)
+    if traversal.scene != 0:
+        call(traversal.occluded1, (traversal.scene, ray, 0))
+    return _blocked_colors(ray, 4)
+
+
+@kernel
+def blocked_aside(traversal, ox, oy, oz, dx, dy, dz, reach):
+    """The colors that something blocks, nearer than ``reach``, on one of two rays beside a ray:
+    what it has slipped by."""
+    ray, blocked, aside = stack(_RAY), 0, np.float32(traversal.aside)
+    put_constants(ray, 4)
+    for look in range(2):
+        if blocked == 0:
+            x, y, z = start_aside(ox, oy, oz, dx, dy, dz, aside, look)
+            blocked = _blocked_within(traversal, ray, x, y, z, dx, dy, dz, reach)
+    return blocked
 
 
 @kernel(forceinline=True)
@@ -102,7 +155,7 @@ def _fill_packet(packet, valid, o, d, k, n):
     size = 0
     while size < _WIDTH and k < n and (size == 0 or _same_start(o, k - 1, k)):
         lane = packet + 4 * size
-        _put_ray(lane, 4 * _WIDTH, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
+        put_ray(lane, 4 * _WIDTH, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
         put(valid + 4 * size, _ALL)
         size += 1
         k += 1
@@ -121,8 +174,8 @@ def _forget_colors(packet):
 def _occluded_packets(traversal, origins, directions, n, colors, out):
     packet, valid = stack(_PACKET), stack(_WIDTH)
     for lane in range(_WIDTH):
-        _put_constants(packet + 4 * lane, 4 * _WIDTH)
-        _put_ray(packet + 4 * lane, 4 * _WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
+        put_constants(packet + 4 * lane, 4 * _WIDTH)
+        put_ray(packet + 4 * lane, 4 * _WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
     k = 0
     while k < n:
         size = _fill_packet(packet, valid, origins, directions, k, n)
@@ -145,33 +198,40 @@ def occluded_block(traversal, origins, directions, n, colors, out):
     o, d = origins, directions
     if traversal.occluded8 != 0:
         _occluded_packets(traversal, o, d, n, colors, out)
-        return
-    for k in range(n):
-        ray = o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2]
-        out[k] = blocked_one(traversal, *ray) & colors
+    else:
+        for k in range(n):
+            ray = o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2]
+            out[k] = blocked_one(traversal, *ray) & colors
+    if traversal.aside > 0.0:
+        for k in range(n):
+            if not out[k]:
+                ray = o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2], _FOREVER
+                out[k] = blocked_aside(traversal, *ray) & colors
 
 
 @kernel
-def occluded_within(traversal, origins, directions, reach, n, colors, out):
+def occluded_within(traversal, origins, directions, reach, towards, open_way, n, colors, out):
     """occluded_block for what lies nearer than ``reach``, float32 (>= n,), in units of direction.
 
+    towards: int32 (>= n,), what a ray goes to, a lamp; open_way: bool, one for each of these,
+        whether the last ray to it was free: those that follow are not asked again
     Rays to lamps: few start at one place, so each goes through the hierarchy alone.
     """
     o, d = origins, directions
     ray = stack(_RAY)
-    _put_constants(ray, 4)
+    put_constants(ray, 4)
     for k in range(n):
-        _put_ray(ray, 4, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
-        put(ray + 32, np.float32(reach[k]))
-        put(ray + 4 * _ID, _ZERO)
-        if traversal.scene != 0:
-            call(traversal.occluded1, (traversal.scene, ray, 0))
-        out[k] = _blocked_colors(ray, 4) & colors
+        own = o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2], reach[k]
+        blocked = _blocked_within(traversal, ray, *own)
+        if blocked == 0 and traversal.aside > 0.0 and not open_way[towards[k]]:
+            blocked = blocked_aside(traversal, *own)
+        open_way[towards[k]] = blocked == 0
+        out[k] = blocked & colors
 
 
 @kernel(forceinline=True)
 def _put_lane(packet, lane, numbers, origin, direction, row, s):
-    _put_ray(
+    put_ray(
         packet + 4 * lane,
         4 * _WIDTH,
         numbers[origin + s],
@@ -200,8 +260,8 @@ def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, seen):
         return
     packet, valid = stack(_PACKET), stack(_WIDTH)
     for lane in range(_WIDTH):
-        _put_constants(packet + 4 * lane, 4 * _WIDTH)
-        _put_ray(packet + 4 * lane, 4 * _WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
+        put_constants(packet + 4 * lane, 4 * _WIDTH)
+        put_ray(packet + 4 * lane, 4 * _WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
         put(valid + 4 * lane, _ALL)
     for first in range(0, n, _WIDTH):
         size = min(n - first, _WIDTH)
@@ -215,42 +275,3 @@ def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, seen):
         for lane in range(size):
             blocked = _blocked_colors(packet + 4 * lane, 4 * _WIDTH)
             seen[ray[first + lane]] = ALL_COLORS & ~blocked
-
-
-@kernel
-def intersect_block(traversal, origins, directions, triangle, u, v):
-    """Write the nearest hits: triangle int32 (n,), -1 = none; u, v float32 (n,).
-
-    origins, directions: float32 (n, 3), world space
-    """
-    ray = stack(_RAY_HIT)
-    _put_constants(ray, 4)
-    for k in range(len(origins)):
-        o, d = origins[k], directions[k]
-        _put_ray(ray, 4, o[0], o[1], o[2], d[0], d[1], d[2])
-        put(ray + 60, _ZERO)
-        put(ray + 64, _ZERO)
-        put(ray + 68, _ALL)  # no triangle
-        put(ray + 72, _ALL)
-        if traversal.scene != 0:
-            call(traversal.intersect1, (traversal.scene, ray, 0))
-        triangle[k], u[k], v[k] = get_int(ray + 68), get_float(ray + 60), get_float(ray + 64)
-
-
-@kernel
-def intersect_instances(traversal, origins, directions, triangle, instance, u, v):
-    """intersect_block in a scene of instances: triangles as each counts them, and its number,
-    int32 (n,)."""
-    ray = stack(_RAY_HIT)
-    _put_constants(ray, 4)
-    for k in range(len(origins)):
-        o, d = origins[k], directions[k]
-        _put_ray(ray, 4, o[0], o[1], o[2], d[0], d[1], d[2])
-        put(ray + 60, _ZERO)
-        put(ray + 64, _ZERO)
-        for row in range(17, 21):
-            put(ray + 4 * row, _ALL)  # no triangle, no instance
-        if traversal.scene != 0:
-            call(traversal.intersect1, (traversal.scene, ray, 0))
-        triangle[k], u[k], v[k] = get_int(ray + 68), get_float(ray + 60), get_float(ray + 64)
-        instance[k] = get_int(ray + 76)

@@ -41,9 +41,9 @@ _ZERO, _ROUND = np.float32(0.0), np.float32(ROUND)
 
 
 class LampRays(NamedTuple):
-    """Shadow rays to lamps, float32 but point.
+    """Shadow rays to lamps, float32 but point and lamp.
 
-    origins, directions: (capacity, 3); reach: (capacity,), metres; point: int32 (capacity,)
+    origins, directions: (capacity, 3); reach: (capacity,), metres; point, lamp: int32 (capacity,)
     light: (capacity, COLUMNS), what each brings
     """
 
@@ -51,6 +51,7 @@ class LampRays(NamedTuple):
     directions: np.ndarray
     reach: np.ndarray
     point: np.ndarray
+    lamp: np.ndarray
     light: np.ndarray
 
 
@@ -149,7 +150,7 @@ def _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays,
         return n
     if not _aim(points, p, wi, far, lifted, offset, rays, n):
         return n
-    rays.point[n] = p
+    rays.point[n], rays.lamp[n] = p, i
     return n + 1
 
 
@@ -279,7 +280,7 @@ def add_lamp_light(
     rays = LampRays(
         *(np.empty((capacity, 3), np.float32) for _ in range(2)),
         np.empty(capacity, np.float32),
-        np.empty(capacity, np.int32),
+        *(np.empty(capacity, np.int32) for _ in range(2)),
         np.empty((capacity, COLUMNS), np.float32),
     )
     powers, shares = powers_of(lamps), np.empty(n_lamps)
@@ -288,7 +289,8 @@ def add_lamp_light(
         own = points, lobes, lamps, powers, shares, samples, offset, first
         first, n = _draw(*own, rays, sums)
         blocked = np.empty(n, np.uint8)
-        accel.occluded(rays.origins[:n], rays.directions[:n], blocked, rays.reach[:n])
+        own = rays.origins[:n], rays.directions[:n], blocked, rays.reach[:n]
+        accel.occluded(*own, rays.lamp[:n])
         _add(rays, n, blocked, sums)
         traced += n
     return traced

@@ -11,11 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .accel import Accel, ray_offset
+from .accel import Accel, nearest_hits, ray_offset
 from .embree import EmbreeScene
 from .embree_filter import GroupFilter, ShadowFilter
 from .embree_instances import InstanceScene
-from .embree_rays import intersect_instances
 from .scene import TriangleMesh
 from .watch import Cancelled
 
@@ -80,10 +79,7 @@ class MovedAccel(Accel):
 
     def intersect(self, origins: np.ndarray, directions: np.ndarray):
         """See Accel."""
-        n = len(origins)
-        triangle, part = np.empty(n, np.int32), np.empty(n, np.int32)
-        u, v = np.empty(n, np.float32), np.empty(n, np.float32)
-        intersect_instances(self.traversal, origins, directions, triangle, part, u, v)
+        triangle, u, v, part = nearest_hits(self.traversal, origins, directions)
         small = part == self._small
         triangle[small] = self._rows[triangle[small]]
         return triangle, u, v

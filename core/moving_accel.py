@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from .accel import Accel, ray_offset
+from ._jit import kernel
+from .accel import Accel, nearest_hits, ray_offset
 from .embree import EmbreeScene
 from .embree_filter import Opacity, ShadowFilter
-from .embree_instances import InstanceScene, nearest_hits
+from .embree_instances import InstanceScene
 from .embree_rays import NOTHING
 from .object_motion import ObjectMotion
 from .scene import Scene, TriangleMesh
@@ -80,7 +81,17 @@ class MovingAccel(Accel):
 
     def intersect(self, origins: np.ndarray, directions: np.ndarray):
         """See Accel."""
-        return nearest_hits(self.traversal, origins, directions, self._first, self._rows)
+        triangle, u, v, part = nearest_hits(self.traversal, origins, directions)
+        _to_rows(triangle, part, self._first, self._rows)
+        return triangle, u, v
+
+
+@kernel
+def _to_rows(triangle, part, first, rows):
+    """Count triangles as the whole mesh does. rows: int32, by parts, a part's from first, int64."""
+    for k in range(len(triangle)):
+        if triangle[k] >= 0:
+            triangle[k] = rows[first[part[k]] + triangle[k]]
 
 
 def _moved_offset(mesh: TriangleMesh, motion: ObjectMotion) -> float:

@@ -209,10 +209,10 @@ class SceneRays:
         return self._parts.camera.intersect(origins, directions)
 
     def occluded(
-        self, origins: np.ndarray, directions: np.ndarray, out=None, reach=None
+        self, origins: np.ndarray, directions: np.ndarray, out=None, reach=None, towards=None
     ) -> np.ndarray:
         """Whether a ray ends at anything that throws a shadow; see Accel."""
-        answer = self._solid.accel.occluded(origins, directions, out, reach)
+        answer = self._solid.accel.occluded(origins, directions, out, reach, towards)
         if self._parts.cut is None:
             return answer
         out = answer != 0

@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .embree_rays import ALL_COLORS, occluded_lanes
-from .lanes import DIFFUSE, DX, GLOSSY, LANES, OX
+from .embree_rays import ALL_COLORS, blocked_aside, occluded_lanes
+from .lanes import DIFFUSE, DX, DY, DZ, GLOSSY, LANES, OX, OY, OZ
 from .pyramid import luminance
 
-_ZERO = np.float32(0.0)
+_ZERO, _FOREVER = np.float32(0.0), np.float32(np.inf)
 _LAST = 2 * LANES
+# A free ray that brings more than this part of its point's light so far is asked again: one that
+# slipped through an edge is alone in the dark, and else within the noise of a few samples.
+_DOUBT = 0.6
 
 
 @kernel
@@ -25,15 +28,51 @@ def _choose_rays(lanes, n):
     return m
 
 
+@kernel(forceinline=True)
+def _light_of(numbers, s):
+    """The luminance that lane s brings where nothing is in its way."""
+    return luminance(
+        numbers[DIFFUSE + s] + numbers[GLOSSY + s],
+        numbers[DIFFUSE + LANES + s] + numbers[GLOSSY + LANES + s],
+        numbers[DIFFUSE + _LAST + s] + numbers[GLOSSY + _LAST + s],
+    )
+
+
 @kernel
-def trace_lanes(traversal, lanes, n):
+def _doubt(traversal, lanes, n, seen_before):
+    """Ask again, beside it, the ray that brings most of the light of its point, where one does.
+
+    seen_before: float64, the luminance that points have seen; lanes of a point follow each other
+    """
+    numbers, s = lanes.numbers, np.int64(0)
+    while s < n:
+        p, most, which = lanes.point[s], _ZERO, s
+        total = seen_before[p]
+        while s < n and lanes.point[s] == p:
+            if lanes.seen[s] != 0:
+                light = _light_of(numbers, s)
+                total += np.float64(light)
+                if light > most:
+                    most, which = light, s
+            s += 1
+        if most > _DOUBT * total:
+            x, y, z = numbers[OX + which], numbers[OY + which], numbers[OZ + which]
+            dx, dy, dz = numbers[DX + which], numbers[DY + which], numbers[DZ + which]
+            if blocked_aside(traversal, x, y, z, dx, dy, dz, _FOREVER):
+                lanes.seen[which] = 0
+
+
+@kernel
+def trace_lanes(traversal, lanes, n, seen_before):
     """seen: what of the light of each lane reaches its point; returns how many rays that took.
 
-    ray: which lanes they belong to
+    ray: which lanes they belong to; seen_before: float64, the luminance that points have seen
     """
     m = _choose_rays(lanes, n)
     lanes.seen[:n] = 0
     occluded_lanes(traversal, lanes.numbers, OX, DX, LANES, lanes.ray, m, lanes.seen)
+    if traversal.aside > 0.0:
+        _doubt(traversal, lanes, n, seen_before)
     return m
 
 

@@ -221,7 +221,7 @@ def _use_lanes(task, cut, work, n, traversal, sums, rays, m):
     _finish_lanes(task, cut, work, n)
     if len(rays.point) > 0:
         return _write_rays(work.lanes, n, rays, m)
-    n_rays = trace_lanes(traversal, work.lanes, n)
+    n_rays = trace_lanes(traversal, work.lanes, n, sums.seen)
     add_lanes(work.lanes, n, sums)
     if len(task.guide.learnt) > 0:
         note_rays(work.lanes, n_rays, task.guide)

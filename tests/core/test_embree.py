@@ -243,7 +243,7 @@ def test_kernels_trace_rays_themselves(rng):
 
 
 def test_without_the_library_embreex_stands_in(rng, monkeypatch, caplog):
-    """The same answers, and a word in the log."""
+    """The same answers, but for the last bits of weights, and a word in the log."""
     mesh = make_mesh(sphere(rings=16))
     origins, directions = _rays(rng, 1000)
     expected = Accel(mesh)
@@ -261,10 +261,11 @@ def test_without_the_library_embreex_stands_in(rng, monkeypatch, caplog):
     np.testing.assert_array_equal(
         accel.occluded(origins, directions), expected.occluded(origins, directions)
     )
-    for ours, theirs in zip(
-        accel.intersect(origins, directions), expected.intersect(origins, directions), strict=True
-    ):
-        np.testing.assert_array_equal(ours, theirs)
+    (triangle, *weights), (expected, *others) = (
+        one.intersect(origins, directions) for one in (accel, expected)
+    )
+    np.testing.assert_array_equal(triangle, expected)
+    np.testing.assert_allclose(weights, others, atol=1e-5)  # float32, of triangles seen edge-on
 
 
 def test_a_library_that_is_broken_is_passed_over(tmp_path, monkeypatch):
