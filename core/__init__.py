@@ -23,7 +23,8 @@ In the order of the data; a module imports only from groups with a smaller numbe
     paper_products, light_tree, backdrop, emission_parts
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
     emitters
-    scene_rays, block_loop, reference, catchers      8  UNBIASED's loop; estimators to compare with
+    scene_rays, block_loop, reference, catchers,     8  UNBIASED's loop; estimators to compare with
+    unbiased_rays
     two_stage, tile_job, render_cache                9  another one; a tile's work; what is kept
     merged_layers, tile_lamps, budget, warm_up,     10  closures together; BUDGET
     silhouettes, time_slices, ambient_occlusion, early_kernels

@@ -22,7 +22,8 @@ from .embree_rays import Traversal
 
 # How soon a build hears of a cancel. Embree asks several thousand times a build.
 POLL_SECONDS = 0.01
-_NATIVE_PACKETS_OF_8 = 33  # RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
+# RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED and ..._RAY16_...
+_NATIVE_PACKETS_OF_8, _NATIVE_PACKETS_OF_16 = 33, 34
 _FILTER_FUNCTIONS = 66  # RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED
 # A ray through an edge hits one of its triangles (without: one in 20 slips through, but the others
 # take less time).
@@ -211,14 +212,14 @@ class EmbreeScene:
     def traversal(self) -> Traversal:
         """What kernels trace rays with, while this object lives."""
         library = self._library
-        one, eight, nearest = (
+        one, eight, sixteen, nearest = (
             ctypes.cast(getattr(library, name), _HANDLE).value
-            for name in ("rtcOccluded1", "rtcOccluded8", "rtcIntersect1")
+            for name in ("rtcOccluded1", "rtcOccluded8", "rtcOccluded16", "rtcIntersect1")
         )
-        native = library.rtcGetDeviceProperty(self.device, _NATIVE_PACKETS_OF_8)
+        eight *= bool(library.rtcGetDeviceProperty(self.device, _NATIVE_PACKETS_OF_8))
+        sixteen *= bool(library.rtcGetDeviceProperty(self.device, _NATIVE_PACKETS_OF_16))
         colored = self._filter is not None and self._filter.colored
-        eight = eight if native else 0
-        return Traversal(self.handle, one, eight, nearest, colored, self._aside)
+        return Traversal(self.handle, one, eight, nearest, colored, self._aside, sixteen)
 
     def close(self) -> None:
         """Free the hierarchy; it must not be asked any more."""

@@ -22,9 +22,9 @@ import numpy as np
 from ._jit import kernel
 from .addresses import call, get_float, get_int, put, stack
 
-_WIDTH = 8
+_WIDTH, _MOST = 8, 16  # rays of a packet
 _RAY, _ID = 12, 10
-_PACKET = _RAY * _WIDTH
+_PACKET, _WIDEST = _RAY * _WIDTH, _RAY * _MOST
 _FOREVER = np.float32(np.inf)
 _ZERO = np.float32(0.0)
 _ALL = np.uint32(0xFFFFFFFF)  # every bit of a mask; a lane in use; no triangle
@@ -38,8 +38,8 @@ class Traversal(NamedTuple):
     It keeps nothing alive: the Accel that made it must be held as long.
 
     scene: RTCScene; 0 = no triangle at all
-    occluded1, occluded8, intersect1: where these functions of Embree begin; occluded8 is 0 where
-        the processor has no registers for 8 rays
+    occluded1, occluded8, intersect1, occluded16: where these functions of Embree begin; those for 8
+        and 16 rays are 0 where the processor has no registers for so many
     colored: whether red, green and blue light may be blocked each for itself
     aside: float, metres that a ray which is asked again starts beside the first one; 0: no ray
         slips through, none is asked again
@@ -51,6 +51,7 @@ class Traversal(NamedTuple):
     intersect1: int
     colored: bool = False
     aside: float = 0.0
+    occluded16: int = 0
 
 
 NOTHING = Traversal(0, 0, 0, 0)
@@ -165,9 +166,9 @@ def _fill_packet(packet, valid, o, d, k, n):
 
 
 @kernel(forceinline=True)
-def _forget_colors(packet):
-    for lane in range(_WIDTH):
-        put(packet + 4 * (_ID * _WIDTH + lane), _ZERO)
+def _forget_colors(packet, width):
+    for lane in range(width):
+        put(packet + 4 * (_ID * width + lane), _ZERO)
 
 
 @kernel(forceinline=True)
@@ -180,7 +181,7 @@ def _occluded_packets(traversal, origins, directions, n, colors, out):
     while k < n:
         size = _fill_packet(packet, valid, origins, directions, k, n)
         if traversal.colored:
-            _forget_colors(packet)
+            _forget_colors(packet, _WIDTH)
         call(traversal.occluded8, (valid, traversal.scene, packet, 0))
         for lane in range(size):
             out[k + lane] = _blocked_colors(packet + 4 * lane, 4 * _WIDTH) & colors
@@ -230,10 +231,10 @@ def occluded_within(traversal, origins, directions, reach, towards, open_way, n,
 
 
 @kernel(forceinline=True)
-def _put_lane(packet, lane, numbers, origin, direction, row, s):
+def _put_lane(lane, bytes_a_row, numbers, origin, direction, row, s):
     put_ray(
-        packet + 4 * lane,
-        4 * _WIDTH,
+        lane,
+        bytes_a_row,
         numbers[origin + s],
         numbers[origin + row + s],
         numbers[origin + 2 * row + s],
@@ -243,35 +244,45 @@ def _put_lane(packet, lane, numbers, origin, direction, row, s):
     )
 
 
+@kernel(forceinline=True)
+def _lanes_one_by_one(traversal, numbers, origin, direction, row, ray, n, seen):
+    for k in range(n):
+        s = ray[k]
+        ox, oy = numbers[origin + s], numbers[origin + row + s]
+        dx, dy = numbers[direction + s], numbers[direction + row + s]
+        oz, dz = numbers[origin + 2 * row + s], numbers[direction + 2 * row + s]
+        seen[s] = ALL_COLORS & ~blocked_one(traversal, ox, oy, oz, dx, dy, dz)
+
+
 @kernel
-def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, seen):
+def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, together, seen):
     """Write to seen[ray[k]] which colors, bits, come through on ray k of n.
 
     numbers: float32, rows ``row`` long: x, y, z of origins from ``origin`` on, of directions from
     ``direction`` on; ray: int32 (>= n,), where in the rows; seen: uint8
+    together: how many rays that follow each other have one origin, as a rule
     """
     if traversal.occluded8 == 0:
-        for k in range(n):
-            s = ray[k]
-            ox, oy = numbers[origin + s], numbers[origin + row + s]
-            dx, dy = numbers[direction + s], numbers[direction + row + s]
-            oz, dz = numbers[origin + 2 * row + s], numbers[direction + 2 * row + s]
-            seen[s] = ALL_COLORS & ~blocked_one(traversal, ox, oy, oz, dx, dy, dz)
+        _lanes_one_by_one(traversal, numbers, origin, direction, row, ray, n, seen)
         return
-    packet, valid = stack(_PACKET), stack(_WIDTH)
-    for lane in range(_WIDTH):
-        put_constants(packet + 4 * lane, 4 * _WIDTH)
-        put_ray(packet + 4 * lane, 4 * _WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
+    width, occluded = _WIDTH, traversal.occluded8
+    if traversal.occluded16 != 0 and together >= _MOST:
+        width, occluded = _MOST, traversal.occluded16
+    packet, valid, bytes_a_row = stack(_WIDEST), stack(_MOST), 4 * width
+    for lane in range(width):
+        put_constants(packet + 4 * lane, bytes_a_row)
+        put_ray(packet + 4 * lane, bytes_a_row, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
         put(valid + 4 * lane, _ALL)
-    for first in range(0, n, _WIDTH):
-        size = min(n - first, _WIDTH)
+    for first in range(0, n, width):
+        size = min(n - first, width)
         for lane in range(size):
-            _put_lane(packet, lane, numbers, origin, direction, row, ray[first + lane])
-        for unused in range(size, _WIDTH):
+            own = numbers, origin, direction, row, ray[first + lane]
+            _put_lane(packet + 4 * lane, bytes_a_row, *own)
+        for unused in range(size, width):
             put(valid + 4 * unused, _ZERO)
         if traversal.colored:
-            _forget_colors(packet)
-        call(traversal.occluded8, (valid, traversal.scene, packet, 0))
+            _forget_colors(packet, width)
+        call(occluded, (valid, traversal.scene, packet, 0))
         for lane in range(size):
-            blocked = _blocked_colors(packet + 4 * lane, 4 * _WIDTH)
+            blocked = _blocked_colors(packet + 4 * lane, bytes_a_row)
             seen[ray[first + lane]] = ALL_COLORS & ~blocked

@@ -33,7 +33,7 @@ from .settings import RenderSettings
 from .shading import ShadingPoints, params_at
 from .stop_rule import PAPER_RULE, Rule
 from .surface import closure_layers, surface_lobes
-from .unbiased import UnbiasedSampler
+from .unbiased_rays import UnbiasedSampler
 from .watch import StopFlag
 
 # Points that are sampled together where rays are written: a batch is long enough for Embree.

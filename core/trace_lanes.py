@@ -14,6 +14,7 @@ _LAST = 2 * LANES
 # A free ray that brings more than this part of its point's light so far is asked again: one that
 # slipped through an edge is alone in the dark, and else within the noise of a few samples.
 _DOUBT = 0.6
+_TOGETHER = 16  # rays of a point, so many of which go through the hierarchy at once
 
 
 @kernel
@@ -70,7 +71,10 @@ def trace_lanes(traversal, lanes, n, seen_before):
     """
     m = _choose_rays(lanes, n)
     lanes.seen[:n] = 0
-    occluded_lanes(traversal, lanes.numbers, OX, DX, LANES, lanes.ray, m, lanes.seen)
+    first = lanes.point[0]
+    together = _TOGETHER if n >= _TOGETHER and lanes.point[_TOGETHER - 1] == first else 1
+    own = OX, DX, LANES, lanes.ray, m, together, lanes.seen
+    occluded_lanes(traversal, lanes.numbers, *own)
     if traversal.aside > 0.0:
         _doubt(traversal, lanes, n, seen_before)
     return m

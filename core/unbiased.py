@@ -13,9 +13,7 @@ import numpy as np
 
 from ._jit import kernel
 from .brdf import sample_narrowest_at
-from .embree_rays import NOTHING
-from .guide import Guides, new_guides, note_rays
-from .incremental import RayBatch, new_sums
+from .guide import Guides, note_rays
 from .lanes import (
     DIFFUSE,
     DX,
@@ -33,7 +31,7 @@ from .lanes import (
 from .light_rays import Light
 from .lobes import DIFFUSE_LOBE, Lobes
 from .lobes_at import lobes_at
-from .product import Products, new_products, pdf_product
+from .product import Products, pdf_product
 from .product_build import BlockScratch, build_product, new_block_scratch
 from .sample_order import MOST_ORDERED, SampleOrder, new_sample_order, order_samples
 from .sequence import PixelSequence, scramble
@@ -266,37 +264,3 @@ def take_samples(task, work, active, n_active, first, counts, traversal, sums, r
         )
         begin += size
     return m
-
-
-class UnbiasedSampler:
-    """Product sampling of some points as rays (incremental.Sampler): for comparisons and tests.
-
-    A render takes block_loop.continue_blocks, which makes the same samples and traces them at once.
-    offset: metres that a shadow ray starts off its surface
-    """
-
-    def __init__(
-        self,
-        points: ShadingPoints,
-        lobes: Lobes,
-        light: Light,
-        sequence: PixelSequence,
-        offset: float,
-    ):
-        glossy = bool((lobes.kind > DIFFUSE_LOBE).any())
-        products, self._work = new_products(len(points.pixel), glossy), new_work()
-        build_products(lobes, light, products, self._work.scratch)
-        own = products, new_guides(0), sequence, np.float32(offset)
-        self._task = Task(points, lobes, light, *own)
-
-    def lit(self) -> np.ndarray:
-        """See incremental.Sampler."""
-        return self._task.products.trees[:, 0] > 0.0
-
-    def unoccluded(self) -> None:
-        """See incremental.Sampler: only the samples know it."""
-
-    def sample(self, active: np.ndarray, first: int, counts: np.ndarray, rays: RayBatch) -> int:
-        """See incremental.Sampler."""
-        own = self._task, self._work, active, len(active), first, counts
-        return take_samples(*own, NOTHING, new_sums(0), rays)

@@ -94,6 +94,23 @@ def _lanes(aimed, which, n_points):
     return lanes
 
 
+@pytest.mark.parametrize("n_points", [1, 8, 16, LANES])
+@pytest.mark.parametrize("widths", [(0, 0), (8, 0), (8, 16)])
+def test_lanes_see_what_rays_alone_see(ball, rng, n_points, widths):
+    """In packets of 16, of 8, and one by one; from outside, half of them past the ball."""
+    accel = Accel(ball)
+    kept = {f"occluded{width}": 0 for width in (8, 16) if width not in widths}
+    traversal = accel.traversal._replace(**kept)
+    origins = np.repeat(rng.uniform(1.5, 2.0, (n_points, 3)), LANES // n_points, axis=0)
+    rays = origins.astype(np.float32), rng.standard_normal((LANES, 3)) * 0.8 - origins
+    rays = rays[0], rays[1].astype(np.float32)
+    lanes = _lanes(rays, np.arange(LANES), n_points)
+    assert trace_lanes(traversal, lanes, LANES, np.zeros(LANES)) == LANES
+    expected = ~accel.occluded(*rays)
+    assert 0.1 < expected.mean() < 0.9
+    np.testing.assert_array_equal(lanes.seen == 7, expected)
+
+
 def test_sample_that_slips_through_lights_no_dark_point(ball, aimed):
     """Each of a point's samples would be all of its light: asked again, they are blocked."""
     slipped = np.flatnonzero(_slipped(ball, aimed))[:LANES]

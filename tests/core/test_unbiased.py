@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from iwis.core.unbiased import UnbiasedSampler
+from iwis.core.unbiased_rays import UnbiasedSampler
 from support.samplers import all_rays, pixel_points, plain_sequence
 from support.scenes import (
     camera_above,

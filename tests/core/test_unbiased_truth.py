@@ -11,7 +11,7 @@ from iwis.core.lobe_setup import setup_lobes
 from iwis.core.render import RenderCache
 from iwis.core.scene import EnvironmentMap
 from iwis.core.shading import ShadingPoints
-from iwis.core.unbiased import UnbiasedSampler
+from iwis.core.unbiased_rays import UnbiasedSampler
 from support.brdf_points import material
 from support.samplers import all_rays, random_sequence
 from support.warps import light_of
