@@ -98,8 +98,12 @@ def _gather_blocks(directions, averages, levels, level, first, n, scratch):
             scratch.x[to + j] = directions.x[k + j]
             scratch.y[to + j] = directions.y[k + j]
             scratch.z[to + j] = directions.z[k + j]
-        for j in range(BLOCK_CELLS):
-            scratch.light[to + j] = averages[begin + ((k + j) >> (2 * deeper))]
+        if deeper == 0:
+            for j in range(BLOCK_CELLS):
+                scratch.light[to + j] = averages[begin + k + j]
+        else:
+            for j in range(BLOCK_CELLS):
+                scratch.light[to + j] = averages[begin + ((k + j) >> (2 * deeper))]
 
 
 @kernel
@@ -110,7 +114,10 @@ def _fill_blocks(lambert, gloss, level, first, n, tree, scratch):
     radius = np.float32(2.0 / (1 << level))
     scale = np.float32(1.0 / (1 << (2 * (level - BASE_LEVEL))))
     cells = (scratch.x, scratch.y, scratch.z, scratch.light)
-    fill_lambert(lambert, *cells, n_cells, radius, scale, values)
+    if lambert.albedo > np.float32(0.0):
+        fill_lambert(lambert, *cells, n_cells, radius, scale, values)
+    else:
+        values[:] = np.float32(0.0)
     add_gloss(gloss, *cells, n_cells, radius, scale, values, scratch.spread)
 
 
@@ -197,6 +204,9 @@ def _run(cells, a, b):
 def _fill_base_lambert(lobe, cells, radius, leaves):
     """Write the base's cells; returns their sum."""
     total, g = np.float32(0.0), 0
+    if lobe.albedo == total:  # a metal
+        leaves[:] = total
+        return total
     normal, one = (lobe.x, lobe.y, lobe.z), np.float32(1.0)
     while g < len(cells.groups):
         first, end = _next_run(cells.groups, normal, g)
