@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from contextlib import nullcontext
 
 import bpy
 import numpy as np
@@ -83,7 +84,9 @@ def _read_tiles(image, _image_user) -> ImageTiles:
 def _read_all_tiles(image) -> ImageTiles:
     packed = {entry.tile_number: entry for entry in image.packed_files}
     tiles, encoded = {}, False
-    with tempfile.TemporaryDirectory(prefix="iwis-tiles-") as folder:
+    # Only packed tiles pass through a folder: others need none that can be written.
+    room = tempfile.TemporaryDirectory(prefix="iwis-tiles-") if packed else nullcontext()
+    with room as folder:
         for tile in image.tiles:
             number = tile.number - _FIRST_TILE
             path = _tile_path(image, number)

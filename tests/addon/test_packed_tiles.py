@@ -12,8 +12,8 @@ from iwis.iwis_addon.export.program_images import ImageStore
 
 
 @pytest.fixture
-def packed(scene, tmp_path, rng):
-    """Two tiles, whose files are gone: (image, bytes (2, h, w, 4), from the bottom)."""
+def tiled(scene, tmp_path, rng):
+    """Two tiles in files: (image, bytes (2, h, w, 4), from the bottom)."""
     folder = tmp_path / "tiles"
     folder.mkdir()
     texels = rng.integers(0, 256, (2, 4, 8, 4), np.uint8)
@@ -26,9 +26,15 @@ def packed(scene, tmp_path, rng):
     image = bpy.data.images.load(str(folder / "t.1001.png"))
     image.source, image.filepath_raw = "TILED", str(folder / "t.<UDIM>.png")
     image.tiles.new(1002)
-    image.pack()
-    shutil.rmtree(folder)
     return image, texels
+
+
+@pytest.fixture
+def packed(tiled, tmp_path):
+    """The same, packed; their files are gone."""
+    tiled[0].pack()
+    shutil.rmtree(tmp_path / "tiles")
+    return tiled
 
 
 def test_tiles_are_read_and_leave_nothing(packed, monkeypatch, tmp_path):
@@ -41,6 +47,13 @@ def test_tiles_are_read_and_leave_nothing(packed, monkeypatch, tmp_path):
     for column in range(2):
         np.testing.assert_array_equal(tiles.tiles[column, 0], texels[column])
     assert not list(tmp_path.iterdir()) and len(bpy.data.images) == before
+
+
+def test_tiles_in_files_need_no_temporary_folder(tiled, monkeypatch, tmp_path):
+    """They are read where they are."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "none"))
+    image, texels = tiled
+    np.testing.assert_array_equal(ImageStore().tiles(image, None).tiles[1, 0], texels[1])
 
 
 def test_temporary_folder_that_cannot_be_written_is_told(packed, monkeypatch, tmp_path):
