@@ -26,6 +26,8 @@ MOST_CORNERS = 1 << 24
 # Where no image says how fine the pattern is: steps along an edge, at the most and at the least,
 # and about how many corners all triangles get together.
 _PROCEDURAL, _COARSEST, _CORNERS = 64, 4, 1 << 20
+# What texels show bends between them: where few corners do, so many steps to a texel.
+_WITHIN_TEXEL = 4
 _POINTS_AT_ONCE = 1 << 18
 # Kinds that look at nothing but values at the corners; images do if their coordinates do.
 _COORDINATES = ("ShaderNodeTexCoord", "ShaderNodeNewGeometry", "ShaderNodeObjectInfo")
@@ -124,7 +126,10 @@ def _sides(scene: Scene, program: Program, triangles) -> np.ndarray:
             wanted = np.maximum(wanted, np.clip((2 * _CORNERS / n) ** 0.5, _COARSEST, _PROCEDURAL))
     if wanted.max() == 1.0 and not isinstance(program.transparent, np.ndarray):
         wanted[:] = np.clip((2 * _CORNERS / n) ** 0.5, _COARSEST, _PROCEDURAL)
-    return (2.0 ** np.ceil(np.log2(np.clip(wanted, 1.0, FINEST)))).astype(np.int32)
+    sides = (2.0 ** np.ceil(np.log2(np.clip(wanted, 1.0, FINEST)))).astype(np.int64)
+    finer = np.maximum(sides, np.minimum(_WITHIN_TEXEL * sides, _PROCEDURAL))
+    few = (wanted > 1.0).any() and _corners(finer).sum() <= _CORNERS
+    return (finer if few else sides).astype(np.int32)
 
 
 def _corners(side):

@@ -48,7 +48,6 @@ WHY = {
     "Transparent to shadow rays": _RAYS,
     "Sky, multiple scattering, horizon seen": _HORIZON,
     "Transparent by a checker": _EDGES,
-    "Transparent, stained, shadow of lamps": _EDGES,
     "Translucent leaf, glossy and cut out": _EDGES,
     "Principled, alpha by noise": _EDGES,
     "Camera objects in motion": _MOVES,
