@@ -42,8 +42,8 @@ def ball(triangles: int) -> TriangleMesh:
     index = np.arange((rows + 1) * columns, dtype=np.int32).reshape(rows + 1, columns)
     a, b = index[:-1], index[1:]
     next_a, next_b = np.roll(a, -1, axis=1), np.roll(b, -1, axis=1)
-    faces = np.concatenate([np.stack([a, b, next_b], -1), np.stack([a, next_b, next_a], -1)])
-    faces = np.ascontiguousarray(faces.reshape(-1, 3))
+    # Two by two, as Blender makes triangles of quads.
+    faces = np.stack([a, b, next_b, a, next_b, next_a], -1).reshape(-1, 3)
     zeros = np.zeros(len(faces), np.int32)
     return TriangleMesh(
         vertices=np.ascontiguousarray(points.reshape(-1, 3)),

@@ -6,7 +6,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     _jit, settings, program, lamps, object_motion    0  how kernels are kept; all defaults
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
-    pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers
+    pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers, triangle_pairs
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, emitter_tree, sheen, islands, embree_hits,

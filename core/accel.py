@@ -19,6 +19,7 @@ from .embree_hits import intersect_block
 from .embree_rays import ALL_COLORS, NOTHING, Traversal, occluded_block, occluded_within
 from .scene import TriangleMesh
 from .terminator import lift_share
+from .triangle_pairs import Pairs, count_as_triangles, paired
 from .watch import Cancelled
 
 log = logging.getLogger(__name__)
@@ -33,6 +34,7 @@ class Accel:
     """The bounding volume hierarchy of one mesh table; queries release the GIL.
 
     mesh: the table; opacity: as given; offset: metres that a ray must start off its surface;
+    pairs: its triangles two by two, if that is how Embree has them;
     traversal: for kernels that trace rays themselves (embree_rays.py), while the Accel is held;
     by_rays: whether a subclass wants to be asked for every shadow ray by occluded() instead, which
     is slower
@@ -47,19 +49,25 @@ class Accel:
         """
         self.mesh, self.opacity = mesh, opacity
         self.offset = ray_offset(mesh.vertices)
-        self._scene, self.traversal = None, NOTHING
+        self._scene, self.traversal, self.pairs = None, NOTHING, None
         if len(mesh.triangles) == 0:
             return
-        own = None if opacity is None else ShadowFilter(opacity)
         try:
-            aside = 0.0 if opacity is not None else aside_of(mesh.vertices, mesh.triangles)
-            self._scene = EmbreeScene(mesh.vertices, mesh.triangles, own, aside=aside)
+            self._scene = self._new_scene()
         except OSError as error:
             log.warning("IWIS: rays take the slow way, through embreex: %s", error)
-            self._scene = EmbreexScene(mesh.vertices, mesh.triangles)
+            self._scene, self.pairs = EmbreexScene(mesh.vertices, mesh.triangles), None
         if not self._scene.commit(cancelled) or cancelled():
             raise Cancelled
         self.traversal = self._scene.traversal()
+
+    def _new_scene(self) -> EmbreeScene:
+        vertices, triangles = self.mesh.vertices, self.mesh.triangles
+        if self.opacity is not None:  # its filter asks for triangles, and is asked once a surface
+            return EmbreeScene(vertices, triangles, ShadowFilter(self.opacity))
+        self.pairs = paired(triangles)
+        faces = triangles if self.pairs is None else self.pairs.corners
+        return EmbreeScene(vertices, faces, aside=aside_of(vertices, triangles))
 
     @property
     def scene(self) -> EmbreeScene | None:
@@ -72,7 +80,9 @@ class Accel:
         origins, directions: float32 (n, 3), world space. u and v weigh the triangle's second and
         third corner.
         """
-        return nearest_hits(self.traversal, origins, directions)[:3]
+        hit, u, v, _ = nearest_hits(self.traversal, origins, directions)
+        to_triangles(self.pairs, hit, u, v)
+        return hit, u, v
 
     def occluded(
         self, origins: np.ndarray, directions: np.ndarray, out=None, reach=None, towards=None
@@ -98,8 +108,14 @@ class Accel:
         return out
 
 
+def to_triangles(pairs: Pairs | None, hit: np.ndarray, u: np.ndarray, v: np.ndarray) -> None:
+    """Make Accel.intersect's arrays of nearest_hits', in place."""
+    if pairs is not None:
+        count_as_triangles(pairs.first, pairs.turn, hit, u, v)
+
+
 def nearest_hits(traversal: Traversal, origins: np.ndarray, directions: np.ndarray):
-    """Accel.intersect's arrays, and the instance's number, int32 (n,), in a scene of instances."""
+    """Embree's own (face, u, v) of the nearest hits, and the instance's number, int32 (n,)."""
     n = len(origins)
     triangle, instance = np.empty(n, np.int32), np.empty(n, np.int32)
     u, v = np.empty(n, np.float32), np.empty(n, np.float32)

@@ -28,7 +28,9 @@ _FILTER_FUNCTIONS = 66  # RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED
 # A ray through an edge hits one of its triangles (without: one in 20 slips through, but the others
 # take less time).
 ROBUST = 4
-_INDEX, _VERTEX, _UINT3, _FLOAT3, _TRIANGLES = 0, 1, 0x5003, 0x9003, 0
+_INDEX, _VERTEX, _FLOAT3 = 0, 1, 0x9003
+# RTC_GEOMETRY_TYPE_... and RTC_FORMAT_UINT... of faces, by their corners
+_FACES = {3: (0, 0x5003), 4: (1, 0x5004)}
 _OUT_OF_MEMORY, _CANCELLED = 4, 6
 _ERRORS = (
     "none",
@@ -116,27 +118,29 @@ def _go_on(stop, progress):
 
 
 class EmbreeScene:
-    """The hierarchy of one triangle mesh. It lives as long as the object, or until close()."""
+    """The hierarchy of one mesh. It lives as long as the object, or until close()."""
 
     def __init__(
         self,
         vertices: np.ndarray,
-        triangles: np.ndarray,
+        faces: np.ndarray,
         shadow_filter: ShadowFilter | None = None,
         beside: EmbreeScene | None = None,
         aside: float = 0.0,
     ):
-        """Ready to be committed. vertices: float32 (n, 3); triangles: int32 (m, 3), m > 0.
+        """Ready to be committed. vertices: float32 (n, 3); m > 0.
 
+        faces: triangles, int32 (m, 3), or quads, int32 (m, 4), as Embree knows them: hits tell of
+            these (triangle_pairs.py)
         shadow_filter: which hits of shadow rays count; the camera's rays are not asked
         beside: a scene whose device it shares, so that both can be parts of one more
         aside: of Traversal; 0: no ray slips through an edge
-        Both arrays are read in place. Triangles with a corner that is not finite are never hit.
+        Both arrays are read in place. Faces with a corner that is not finite are never hit.
         Raises OSError where there is no library, MemoryError or RuntimeError.
         """
         self.handle = self.device = None
         self._library = load_library()
-        self._arrays = _readable(vertices), triangles  # Embree reads them, and owns nothing
+        self._arrays = _readable(vertices), faces  # Embree reads them, and owns nothing
         self._filter, self._aside = shadow_filter, aside
         # Not "threads=N": it would bind all users of TBB in the process, Blender's too.
         if beside is None:
@@ -151,10 +155,11 @@ class EmbreeScene:
         self._attach(*self._arrays)
         self.check()
 
-    def _attach(self, vertices: np.ndarray, triangles: np.ndarray) -> None:
+    def _attach(self, vertices: np.ndarray, faces: np.ndarray) -> None:
         library = self._library
-        geometry = library.rtcNewGeometry(self.device, _TRIANGLES)
-        for kind, form, array in ((_VERTEX, _FLOAT3, vertices), (_INDEX, _UINT3, triangles)):
+        shape, corners = _FACES[faces.shape[1]]
+        geometry = library.rtcNewGeometry(self.device, shape)
+        for kind, form, array in ((_VERTEX, _FLOAT3, vertices), (_INDEX, corners, faces)):
             library.rtcSetSharedGeometryBuffer(
                 geometry, kind, 0, form, array.ctypes.data, 0, array.strides[0], len(array)
             )
@@ -235,7 +240,7 @@ class EmbreeScene:
         """Raise what went wrong last on the device, or what a code says."""
         code = self._library.rtcGetDeviceError(self.device) if code is None else code
         if code == _OUT_OF_MEMORY:
-            raise MemoryError(f"Embree: no memory for {len(self._arrays[1])} triangles")
+            raise MemoryError(f"Embree: no memory for {len(self._arrays[1])} faces")
         if code:
             raise RuntimeError(f"Embree: error {code} ({_ERRORS[code]})")
 

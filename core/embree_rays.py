@@ -30,6 +30,7 @@ _ZERO = np.float32(0.0)
 _ALL = np.uint32(0xFFFFFFFF)  # every bit of a mask; a lane in use; no triangle
 # Two vectors that no ray is along at once.
 _ONE_WAY, _OTHER_WAY = (0.48, 0.6, 0.64), (-0.64, 0.6, 0.48)
+_TURN = np.float32(0.268)  # of 75 degrees
 
 
 class Traversal(NamedTuple):
@@ -108,7 +109,7 @@ def _cross(ax, ay, az, bx, by, bz):
 def start_aside(ox, oy, oz, dx, dy, dz, aside, look):
     """Where a ray starts so many metres beside one from (ox, oy, oz) along (dx, dy, dz).
 
-    look: 0, or 1 for a place at a right angle to that: no edge is along both ways
+    look: 0, or 1 for a place 75 degrees from that: edges of a corner are seldom along both ways
     """
     kx, ky, kz = _ONE_WAY
     along, length = kx * dx + ky * dy + kz * dz, dx * dx + dy * dy + dz * dz
@@ -116,7 +117,8 @@ def start_aside(ox, oy, oz, dx, dy, dz, aside, look):
         kx, ky, kz = _OTHER_WAY
     x, y, z = _cross(dx, dy, dz, kx, ky, kz)
     if look == 1:
-        x, y, z = _cross(dx, dy, dz, x, y, z)
+        first, (sx, sy, sz) = _TURN * np.sqrt(length), _cross(dx, dy, dz, x, y, z)
+        x, y, z = sx + first * x, sy + first * y, sz + first * z
     by = aside / np.sqrt(x * x + y * y + z * z)
     return ox + by * x, oy + by * y, oz + by * z
 

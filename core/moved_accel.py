@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .accel import Accel, nearest_hits, ray_offset
+from .accel import Accel, nearest_hits, ray_offset, to_triangles
 from .embree import EmbreeScene
 from .embree_filter import GroupFilter, ShadowFilter
 from .embree_instances import InstanceScene
@@ -50,7 +50,7 @@ class MovedAccel(Accel):
 
     def __init__(self, base: Accel, mesh: TriangleMesh, moves: Moves, large, cancelled):
         """large: which of the moves are shown by an instance, int"""
-        self.mesh, self.opacity, self._base = mesh, base.opacity, base
+        self.mesh, self.opacity, self.pairs, self._base = mesh, base.opacity, base.pairs, base
         # An instance's own arithmetic is off as much again.
         self.offset = 2.0 * max(base.offset, ray_offset(mesh.vertices))
         group = np.zeros(int(mesh.object_index.max()) + 1, np.uint8)
@@ -63,6 +63,8 @@ class MovedAccel(Accel):
         if len(self._rows):
             parts.append(self._own_hierarchy(cancelled))
             matrices.append(np.eye(4))
+        if base.pairs is not None:  # both of a pair are of one object
+            groups = groups[base.pairs.first]
         base.scene.ask(GroupFilter(groups, base.opacity))
         self._scene = InstanceScene(parts, np.array(matrices)[:, :3])
         self.traversal = self._scene.traversal()._replace(occluded8=0)  # packets ask no filter
@@ -81,7 +83,11 @@ class MovedAccel(Accel):
         """See Accel."""
         triangle, u, v, part = nearest_hits(self.traversal, origins, directions)
         small = part == self._small
-        triangle[small] = self._rows[triangle[small]]
+        own = self._rows[triangle[small]]
+        weights = u[small], v[small]
+        triangle[small] = -1
+        to_triangles(self.pairs, triangle, u, v)
+        triangle[small], u[small], v[small] = own, *weights
         return triangle, u, v
 
 

@@ -121,7 +121,7 @@ def test_error_while_asked_ends_the_build(large):
 def test_lack_of_memory_says_so():
     """Embree's error is Python's, and names the size of the mesh."""
     scene = EmbreeScene(*_waves(100))
-    with pytest.raises(MemoryError, match="98 triangles"):
+    with pytest.raises(MemoryError, match="98 faces"):
         scene.check(4)
     with pytest.raises(RuntimeError, match="processor"):
         scene.check(5)
