@@ -69,7 +69,7 @@ class Effort(NamedTuple):
     reference_noise: own error at which a reference is good enough
     reference_seconds: of CPU, by renderer, after which a reference must do
     reference_samples: of one of the pictures that are averaged
-    ray_samples, thread_samples: fixed counts of the parts rays and threads
+    ray_samples: fixed counts of the part rays; thread_samples: that of the part threads
     picture_error: the error that IWIS' picture has where all get its CPU time
     check_seconds: of CPU, of a picture of Cycles for the difference image
     """
@@ -80,7 +80,7 @@ class Effort(NamedTuple):
     short_seconds: float = 1.5
     reference_noise: float = 0.006
     reference_samples: int = 1024
-    ray_samples: int = 32
+    ray_samples: tuple[int, ...] = (32, 128)
     thread_samples: int = 64
     picture_error: float = 0.07
     check_seconds: float = 12.0
@@ -97,7 +97,7 @@ QUICK = Effort(
     short_seconds=0.5,
     reference_noise=0.02,
     reference_samples=256,
-    ray_samples=8,
+    ray_samples=(4, 8),
     thread_samples=8,
     picture_error=0.15,
     check_seconds=1.0,

@@ -8,6 +8,7 @@ One thread; render and replays by turns, so that all see the same machine.
 from __future__ import annotations
 
 import contextlib
+import copy
 import time
 from typing import NamedTuple
 
@@ -103,18 +104,15 @@ def replay(trace, batches: list[Recorded]) -> float:
 
 
 def measure(bench) -> dict:
-    """Seconds of render, shadow rays and camera rays for IWIS' fixed count, for JSON."""
-    changes = {"stop_rule": "FIXED", "max_samples": bench.effort.ray_samples}
+    """A row of figures for each of Effort.ray_samples, for JSON."""
+    return {"counts": [_of_count(bench, count) for count in bench.effort.ray_samples]}
+
+
+def _of_count(bench, count: int) -> dict:
+    """Seconds of render, shadow rays and camera rays at IWIS' fixed count."""
+    changes = {"stop_rule": "FIXED", "max_samples": count}
     recorder = record(bench.run, **changes)
-    mesh = bench.run.scene.mesh
-    embree = EmbreeScene()
-    EmbreeMesh(embree, mesh.vertices, mesh.triangles)
-    accel = bench.run.cache.accel(mesh)
-    ways = {
-        "shadow": (lambda o, d: embree.run(o, d, query="OCCLUDED"), recorder.shadow),
-        "shadow_own": (accel.occluded, recorder.shadow),
-        "primary": (accel.intersect, recorder.primary),
-    }
+    ways = _ways(bench.run, recorder)
     for trace, batches in ways.values():  # commits the scene, loads the kernels
         replay(trace, batches[:1])
     bench.run.render(threads=1, **changes)
@@ -125,17 +123,24 @@ def measure(bench) -> dict:
         times = {name: replay(*way) for name, way in ways.items()}
         rows.append({"total": stats.cpu_seconds["sampling"]} | times)
     found = {name: float(np.median([row[name] for row in rows])) for name in rows[0]}
-    ratios = {
+    found |= {
         name: float(np.median([row["total"] / row[shadow] for row in rows]))
         for name, shadow in (("ratio", "shadow"), ("ratio_own", "shadow_own"))
     }
-    return (
-        found
-        | ratios
-        | {
-            "samples": bench.effort.ray_samples,
-            "shadow_rays": sum(len(batch.origins) for batch in recorder.shadow),
-            "primary_rays": sum(len(batch.origins) for batch in recorder.primary),
-            "rows": rows,
-        }
-    )
+    found["shadow_rays"] = sum(len(batch.origins) for batch in recorder.shadow)
+    return found | {"samples": count, "rows": rows}
+
+
+def _ways(run: IwisRun, recorder: RecordingAccel) -> dict:
+    """Name -> what traces the rays of a batch, and the batches."""
+    mesh = run.scene.mesh
+    embree = EmbreeScene()
+    EmbreeMesh(embree, mesh.vertices, mesh.triangles)
+    accel = run.cache.accel(mesh)
+    once = copy.copy(accel)  # samples are asked once, but for one in a run (trace_lanes.py)
+    once.traversal = accel.traversal._replace(aside=0.0)
+    return {
+        "shadow": (lambda o, d: embree.run(o, d, query="OCCLUDED"), recorder.shadow),
+        "shadow_own": (once.occluded, recorder.shadow),
+        "primary": (accel.intersect, recorder.primary),
+    }

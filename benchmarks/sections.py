@@ -40,7 +40,8 @@ def summary(results, pictures, link) -> list[str]:
     lines += [
         "CPU time of Cycles, and of the faster of Mitsuba's ways, over that of IWIS (PERCEPTUAL /",
         "fixed count) to the same error: .05, or the smallest that all allow. Beside it one",
-        "thread's CPU time over that of its shadow rays alone, and the speed of 2 threads over 1.",
+        "thread's CPU time over that of its shadow rays alone, at the counts of the table",
+        f"below{_counts(rays)}, and the speed of 2 threads over 1.",
         "",
         "| scene | MRE | Cycles / IWIS | Mitsuba / IWIS | total / rays | threads |",
         "|---|---|---|---|---|---|",
@@ -50,10 +51,18 @@ def summary(results, pictures, link) -> list[str]:
         error = max(0.05, tables.common_error(found))
         cycles = _over(found, [CYCLES], error)
         mitsuba = _over(found, [n for n in found if n.startswith("Mitsuba")], error)
-        ratio = f"{rays[name]['ratio']:.2f}" if name in rays else "-"
+        counts = rays[name]["counts"] if name in rays else []
+        ratio = " / ".join(f"{row['ratio']:.2f}" for row in counts) or "-"
         speedup = f"{threads[name]['speedup']:.2f}" if name in threads else "-"
         lines.append(f"| {title(name)} | {error:g} | {cycles} | {mitsuba} | {ratio} | {speedup} |")
     return [*lines, ""]
+
+
+def _counts(rays) -> str:
+    """The counts of samples of the part rays, in brackets."""
+    for scene in rays.values():
+        return f" ({' / '.join(str(row['samples']) for row in scene['counts'])})"
+    return ""
 
 
 def _over(found, names, error) -> str:
@@ -112,14 +121,15 @@ def rays_section(results, pictures, link) -> list[str]:
         return []
     lines = ["## Beside the shadow rays alone", ""]
     lines += [
-        "One thread, fixed count; `total` has the camera rays in it. The same shadow rays in the",
-        "same order and batches: through embreex alone, and by IWIS' own call of the same library.",
+        "One thread, fixed counts; `total` has the camera rays in it. The same shadow rays in the",
+        "same order and batches: through embreex alone, and by IWIS' own call of the same library,",
+        "each asked once.",
         "",
         "| scene | samples | shadow rays | total, CPU s | camera rays | embreex, CPU s | own call "
         "| total / embreex | total / own |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
-    for name, r in scenes.items():
+    for name, r in ((name, row) for name, scene in scenes.items() for row in scene["counts"]):
         each = {way: r[way] / r["shadow_rays"] * 1e6 for way in ("shadow", "shadow_own")}
         lines.append(
             f"| {title(name)} | {r['samples']} | {r['shadow_rays']:,} | {r['total']:.3f} "
