@@ -65,7 +65,8 @@ class Accel:
         vertices, triangles = self.mesh.vertices, self.mesh.triangles
         if self.opacity is not None:  # its filter asks for triangles, and is asked once a surface
             return EmbreeScene(vertices, triangles, ShadowFilter(self.opacity))
-        self.pairs = paired(triangles)
+        if np.isfinite(vertices).all():  # a corner that is nowhere would take its whole quad
+            self.pairs = paired(triangles)
         faces = triangles if self.pairs is None else self.pairs.corners
         return EmbreeScene(vertices, faces, aside=aside_of(vertices, triangles))
 

@@ -69,7 +69,7 @@ class GroupFilter:
     """ShadowFilter of a mesh that stands in several places, each of which shows a part of it."""
 
     def __init__(self, groups: np.ndarray, opacity: Opacity | None = None):
-        """groups: uint8 (triangles,), the number of the instance that shows each"""
+        """groups: uint8 (faces,), the number of the instance that shows each; of Embree's faces"""
         shown = np.ascontiguousarray(groups)
         self._arrays = (*(() if opacity is None else opacity.arrays), shown)
         self.colored = opacity is not None and opacity.colored

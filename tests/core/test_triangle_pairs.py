@@ -114,3 +114,18 @@ def test_surfaces_drawn_by_chance_keep_their_triangles(bumpy):
     none = np.full(len(bumpy.triangles), -1, np.int32)
     grids = np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros(1, np.uint8)
     assert Accel(bumpy, opacity=Opacity(none, *grids)).pairs is None
+
+
+def test_a_corner_that_is_nowhere_takes_no_whole_quad(bumpy):
+    """Embree never hits a face with such a corner: the quad's other triangle is still there."""
+    lost = int(bumpy.triangles[100, 0])
+    vertices = bumpy.vertices.copy()
+    vertices[lost] = np.nan
+    middle = bumpy.vertices[bumpy.triangles].mean(axis=1)
+    origins = (middle * 1.5).astype(np.float32)
+    rays = origins, (middle - origins).astype(np.float32)
+    before, _, _ = Accel(bumpy).intersect(*rays)
+    after, _, _ = Accel(dataclasses.replace(bumpy, vertices=vertices)).intersect(*rays)
+    kept = (bumpy.triangles != lost).all(axis=1)
+    own = kept & (before == np.arange(len(before)))  # what is seen of itself, without the others
+    np.testing.assert_array_equal(after[own], before[own])
