@@ -20,7 +20,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     light_rays, paper_tables, light_cells, lamp_light, pass_rays, moving_accel,
     moved_accel
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
-    paper_products, light_tree, backdrop, emission_parts
+    paper_products, light_tree, backdrop, emission_parts, like_products
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
     emitters
     scene_rays, block_loop, reference, catchers,     8  UNBIASED's loop; estimators to compare with

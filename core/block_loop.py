@@ -22,6 +22,7 @@ from .guide import (
     scale_product,
 )
 from .incremental import PixelSums, RayBatch, least_count, new_rays, select_points
+from .like_products import build_products
 from .lobes import Lobes
 from .neighbours import CELL_PX, Neighbours, fill_neighbours
 from .product import Products, new_products
@@ -38,7 +39,7 @@ from .stop_rule import (
     finish_rule,
     new_rule_room,
 )
-from .unbiased import Task, Work, build_products, new_work, take_samples
+from .unbiased import Task, Work, new_work, take_samples
 
 BLOCK_POINTS = CELL_PX * CELL_PX
 # Samples between two looks at the flag of a cancel: some milliseconds.
@@ -49,7 +50,7 @@ class Room(NamedTuple):
     """Scratch of a thread for blocks of up to BLOCK_POINTS points.
 
     near, group: of Neighbours; slots: of fill_neighbours
-    wanted, active, some, counts: int32 (n,); rays: without room, for take_samples
+    wanted, active, some, counts, used: int32 (n,); rays: without room, for take_samples
     """
 
     work: Work
@@ -63,6 +64,7 @@ class Room(NamedTuple):
     active: np.ndarray
     some: np.ndarray
     counts: np.ndarray
+    used: np.ndarray
     rays: RayBatch
 
 
@@ -77,7 +79,7 @@ def new_room(glossy: bool) -> Room:
         np.empty((n, 8), np.int32),
         np.empty(n, np.int32),
         np.empty((CELL_PX + 2, CELL_PX + 2), np.int32),
-        *(np.empty(n, np.int32) for _ in range(4)),
+        *(np.empty(n, np.int32) for _ in range(5)),
         new_rays(0),
     )
 
@@ -171,18 +173,30 @@ def _take_piece(task, n_active, first, end, traversal, sums, room, stop):
     return traced
 
 
+@kernel
+def _scale_products(products, sums, room):
+    """Scale what points use that go on, each product once."""
+    used, n = room.used, len(sums.count)
+    for p in range(n):
+        used[p] = 0
+    for p in range(n):
+        if room.wanted[p] > sums.count[p]:
+            used[products.own[p]] = 1
+    for row in range(n):
+        if used[row] != 0:
+            scale_product(products, row, room.guide.ratio)
+
+
 @kernel(inline="always")
 def _take_round(task, n_active, first, end, traversal, sums, room, stop):
     """The same for a whole round, with the guide's lessons in between."""
-    traced, guide, wanted = 0, task.guide, room.wanted
+    traced, guide = 0, task.guide
     while first < end and not stop[0]:
         piece = min(end, first + _BATCH)
         if len(guide.learnt) > 0:
             if first >= next_lesson(guide):
                 learn(guide, first, room.guide)
-                for p in range(len(sums.count)):
-                    if wanted[p] > sums.count[p]:
-                        scale_product(task.products, p, room.guide.ratio)
+                _scale_products(task.products, sums, room)
             piece = min(piece, next_lesson(guide))
         traced += _take_piece(task, n_active, first, piece, traversal, sums, room, stop)
         first = piece
@@ -196,7 +210,7 @@ def _continue_block(task, traversal, rule, neighbours, sums, room, stop):
     wanted, active = room.wanted[:n], room.active
     begin_rule(rule, neighbours, sums, room.rule, wanted)
     for p in range(n):
-        if not task.products.trees[p, 0] > np.float32(0.0):
+        if not task.products.trees[task.products.own[p], 0] > np.float32(0.0):
             wanted[p] = 0
     traced, taken = 0, least_count(wanted, sums)
     while taken >= 0 and not stop[0]:
@@ -210,24 +224,41 @@ def _continue_block(task, traversal, rule, neighbours, sums, room, stop):
 
 
 @kernel(inline="always")
-def _prepare_products(task, scratch):
+def _prepare_products(task, apart, scratch):
     """Build the products of a block, as its guide wants them."""
-    build_products(task.lobes, task.light, task.products, scratch)
+    products = task.products
+    n = len(task.lobes.kind)
+    build_products(task.lobes, 0, n, apart, task.light, products, scratch)
     if len(task.guide.learnt) > 0 and task.guide.learnt[0] > 0:
-        for p in range(len(task.lobes.kind)):
-            scale_product(task.products, p, task.guide.gain[0])
+        for p in range(n):
+            if products.own[p] == p:
+                scale_product(products, p, task.guide.gain[0])
 
 
 @kernel
 def continue_blocks(
-    bounds, guides, where, points, lobes, light, sequence, offset, traversal, rule, sums, room, stop
+    bounds,
+    guides,
+    where,
+    points,
+    lobes,
+    apart,
+    light,
+    sequence,
+    offset,
+    traversal,
+    rule,
+    sums,
+    room,
+    stop,
 ):
     """Add samples to points until each has as many as the rule wants: number of rays traced.
 
     bounds: int32 (blocks + 1,), where blocks of points begin, at most BLOCK_POINTS each; for rule
         PERCEPTUAL whole cells, in neighbours.cell_order
     guides: of the blocks, added to; of none: nothing is learnt
-    where: Places; sequence: of the points; offset: float32; rule: stop_rule.Rule
+    where: Places; apart: of build_products; sequence: of the points; offset: float32
+    rule: stop_rule.Rule
     sums: PixelSums, added to; stop: uint8 (1,), ends it early if not 0, with what there is
     """
     traced = 0
@@ -248,7 +279,7 @@ def continue_blocks(
             PixelSequence(sequence.points, sequence.x[a:b], sequence.y[a:b], sequence.scrambled),
             offset,
         )
-        _prepare_products(task, room.work.scratch)
+        _prepare_products(task, apart, room.work.scratch)
         traced += _continue_block(
             task, traversal, part, neighbours, _sums_at(sums, a, b), room, stop
         )

@@ -119,9 +119,9 @@ def learn(guide, taken, room):
 
 
 @kernel
-def scale_product(products, p, by):
-    """Scale the product of point p, float32 (BASE_CELLS,), cell by cell of its base."""
-    tree = products.trees[p]
+def scale_product(products, row, by):
+    """Scale the product of a row by ``by``, float32 (BASE_CELLS,), cell by cell of its base."""
+    tree = products.trees[row]
     for c in range(BASE_CELLS):
         tree[BASE_BEGIN + c] *= by[c]
     sum_base(tree)

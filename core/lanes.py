@@ -32,7 +32,8 @@ class Lanes(NamedTuple):
     cell, quadrant: int32 (LANES,), where a lane is, and where it goes
     base: int32 (LANES,), the cell of its product's base; -1: it follows a lobe
     block: int32 (LANES,), 1 + the block of its product that it is in, 0 = none
-    tree: int64 (LANES,), where the lane's product begins in the array of all products
+    product: int32 (LANES,), the row of its product among all
+    tree: int64 (LANES,), where that begins in the array of all
     point, sample: int32 (LANES,), shading point and index of its sample
     ray: int32 (LANES,), the lanes that have a ray; seen: uint8 (LANES,), bits: the colors that come
         through on it
@@ -43,6 +44,7 @@ class Lanes(NamedTuple):
     quadrant: np.ndarray
     base: np.ndarray
     block: np.ndarray
+    product: np.ndarray
     tree: np.ndarray
     point: np.ndarray
     sample: np.ndarray
@@ -52,13 +54,14 @@ class Lanes(NamedTuple):
 
 def new_lanes() -> Lanes:
     """Lanes with nothing in them."""
-    integers = [np.zeros(LANES, np.int32) for _ in range(7)]
+    integers = [np.zeros(LANES, np.int32) for _ in range(8)]
     return Lanes(
         numbers=np.zeros(_ROWS * LANES, np.float32),
         cell=integers[0],
         quadrant=integers[1],
         base=integers[6],
         block=integers[2],
+        product=integers[7],
         tree=np.zeros(LANES, np.int64),
         point=integers[3],
         sample=integers[4],

@@ -28,12 +28,13 @@ _CELL_ALPHA2 = np.float32(0.004**2)
 
 
 class CellLambert(NamedTuple):
-    """A point's Lambert lobe: albedo is its luminance / pi; normal."""
+    """A point's Lambert lobe: albedo is its luminance / pi; normal; turned: see CellGloss."""
 
     albedo: np.float32
     x: np.float32
     y: np.float32
     z: np.float32
+    turned: np.float32
 
 
 class CellGloss(NamedTuple):
@@ -44,6 +45,7 @@ class CellGloss(NamedTuple):
     in_plane, mixed, across: the facets' covariance, entries of a matrix over along and side
     kept: the part of the lobe's core that the product holds, less than 1 where it is narrow
     head_on, grazing: luminance of the reflectance
+    turned: how far other normals may be turned whose horizon is to have light too, radians
     """
 
     normal: tuple
@@ -60,14 +62,16 @@ class CellGloss(NamedTuple):
     kept: np.float32
     head_on: np.float32
     grazing: np.float32
+    turned: np.float32
 
 
 @kernel(forceinline=True)
-def lambert_at(lobes, p):
+def lambert_at(lobes, p, turned):
     """Row p of lobes."""
     albedo = luminance(lobes.diffuse[p, 0], lobes.diffuse[p, 1], lobes.diffuse[p, 2])
     normal = lobes.normal
-    return CellLambert(albedo * np.float32(1.0 / math.pi), normal[p, 0], normal[p, 1], normal[p, 2])
+    over_pi = albedo * np.float32(1.0 / math.pi)
+    return CellLambert(over_pi, normal[p, 0], normal[p, 1], normal[p, 2], turned)
 
 
 @kernel(forceinline=True)
@@ -81,7 +85,7 @@ def _cross(a, b):
 
 
 @kernel(forceinline=True)
-def gloss_at(lobes, p):
+def gloss_at(lobes, p, turned):
     """Row p of lobes."""
     g, w = lobes.glossy_normal, lobes.wo
     normal, wo = (g[p, 0], g[p, 1], g[p, 2]), (w[p, 0], w[p, 1], w[p, 2])
@@ -108,15 +112,15 @@ def gloss_at(lobes, p):
     cos_o = max(lobes.cos_o[p], np.float32(1e-3))
     lambda_o = np.sqrt(alpha2 + (ONE - alpha2) * cos_o * cos_o)
     frame = (normal, wo, side, along)
-    widths = alpha2, in_plane, mixed, across
-    return CellGloss(*frame, cos_o, _dot(along, wo), lambda_o, *widths, kept, head_on, grazing)
+    widths, fresnel = (alpha2, in_plane, mixed, across), (head_on, grazing)
+    return CellGloss(*frame, cos_o, _dot(along, wo), lambda_o, *widths, kept, *fresnel, turned)
 
 
 @kernel(forceinline=True)
-def _lit_cosine(cosine, radius, quarter):
+def _lit_cosine(cosine, radius, quarter, turned):
     """Mean of the cosine over a cell; above 0 wherever a corner of the cell is lit."""
     lit = max(cosine + radius, ZERO)
-    reached = max(cosine + _REACH * radius, ZERO)
+    reached = max(cosine + _REACH * radius + turned, ZERO)
     return cosine if cosine > radius else max(lit * lit * quarter, _CORNER * reached)
 
 
@@ -130,7 +134,7 @@ def fill_lambert(lobe, x, y, z, light, n, radius, scale, values):
     total = ZERO
     for r in range(n):
         cosine = x[r] * lobe.x + y[r] * lobe.y + z[r] * lobe.z
-        value = albedo * _lit_cosine(cosine, radius, quarter) * light[r]
+        value = albedo * _lit_cosine(cosine, radius, quarter, lobe.turned) * light[r]
         values[r] = value
         total += value
     return total
@@ -154,7 +158,7 @@ def add_gloss(lobe, x, y, z, light, n, radius, scale, values, spread):
     lobe_oh = max(cos_o, np.sqrt(alpha2))  # wo . h where the lobe is, if that is in the cell
     for r in range(n):
         cosine = x[r] * nx + y[r] * ny + z[r] * nz
-        cos_i = _lit_cosine(cosine, radius, quarter)
+        cos_i = _lit_cosine(cosine, radius, quarter, lobe.turned)
         io = x[r] * ox + y[r] * oy + z[r] * oz
         oh2 = max(HALF * (ONE + io), _TINY)  # (wo . h)^2
         oh = np.sqrt(oh2)

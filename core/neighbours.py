@@ -20,6 +20,8 @@ import numpy as np
 
 from ._jit import kernel
 
+# Points that are sampled together where rays are written: a batch is long enough for Embree.
+_RAY_POINTS = 256
 CELL_PX = 8  # points tell of each other inside aligned squares of the frame, whatever the tiles
 # Weights of the samples of a pixel's own, of one beside it and of one at its corner.
 _OWN, _BESIDE, _DIAGONAL = 0.25, 0.61, 0.37
@@ -49,6 +51,16 @@ def cell_order(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.nd
     new = np.ones(len(order) + 1, np.bool_)
     new[1:-1] = (column[1:] != column[:-1]) | (row[1:] != row[:-1])
     return order, np.flatnonzero(new)
+
+
+def long_blocks(bounds: np.ndarray) -> list[slice]:
+    """Slices of blocks that are sampled together. bounds: int, where they begin, and their end"""
+    runs, first = [], 0
+    for k in range(1, len(bounds)):
+        if k + 1 == len(bounds) or bounds[k + 1] - bounds[first] > _RAY_POINTS:
+            runs.append(slice(first, k))
+            first = k
+    return runs
 
 
 @kernel(forceinline=True)

@@ -72,12 +72,15 @@ class Products(NamedTuple):
         what scales the base leaves them alone
     links: int16 (n, cells), 1 + the block that a cell is cut into, 0 = none: of the base's cells,
         then of the blocks'
+    own: int32 (n,), the row of trees and links that a point uses: its own, or that of a point
+        that is alike (like_products.py)
     blocks: int32 (n,), how many blocks there are; links of a point without are not set
     follow: float32 (n,), the part of the light that the product leaves to the narrowest lobe
     """
 
     trees: np.ndarray
     links: np.ndarray
+    own: np.ndarray
     blocks: np.ndarray
     follow: np.ndarray
 
@@ -87,6 +90,7 @@ def new_products(n: int, glossy: bool) -> Products:
     return Products(
         np.empty((n, _TREE_SIZE if glossy else BLOCK_BEGIN), np.float32),
         np.empty((n, _LINKS_SIZE if glossy else 0), np.int16),
+        np.zeros(n, np.int32),
         np.zeros(n, np.int32),
         np.zeros(n, np.float32),
     )
@@ -130,10 +134,11 @@ def _cones(directions: np.ndarray) -> np.ndarray:
 def _product_cell(products, p, cell, levels):
     """(value in units of a base cell, level) of the product's last cell around a cell of levels."""
     r = cell >> (2 * (levels - BASE_LEVEL))
-    tree = products.trees[p]
+    own = products.own[p]
+    tree, links = products.trees[own], products.links[own]
     value, level = np.float64(tree[BASE_BEGIN + r]), BASE_LEVEL
     if products.blocks[p] > 0:
-        block = products.links[p, r]
+        block = links[r]
         while block > 0:
             level += BLOCK_LEVELS
             inside = (cell >> (2 * (levels - level))) & (BLOCK_CELLS - 1)
@@ -141,7 +146,7 @@ def _product_cell(products, p, cell, levels):
             s = SUMS_BEGIN + 4 * (block - 1)
             whole = np.float64((tree[s] + tree[s + 1]) + (tree[s + 2] + tree[s + 3]))
             value *= BLOCK_CELLS * np.float64(tree[BLOCK_BEGIN + k]) / whole
-            block = products.links[p, BASE_CELLS + k]
+            block = links[BASE_CELLS + k]
     return value, level
 
 
@@ -154,5 +159,5 @@ def pdf_product(products, p, light, square_x, square_y):
     around = np.float64(light.averages[above])
     if around <= 0.0:
         return 0.0
-    scale = BASE_CELLS / (4.0 * math.pi * np.float64(products.trees[p, 0]))
+    scale = BASE_CELLS / (4.0 * math.pi * np.float64(products.trees[products.own[p], 0]))
     return value * scale * (radiance / around)

@@ -176,21 +176,21 @@ def sum_base(tree):
 
 
 @kernel(forceinline=True)
-def _below(groups, g, normal):
+def _below(groups, g, normal, turned):
     return (
         groups[g, 0] * normal[0] + groups[g, 1] * normal[1] + groups[g, 2] * normal[2]
-        <= groups[g, 3]
+        <= groups[g, 3] - turned
     )
 
 
 @kernel(forceinline=True)
-def _next_run(groups, normal, g):
+def _next_run(groups, normal, turned, g):
     """(first, last + 1) of the next groups from g on that may be above the horizon."""
     n = len(groups)
-    while g < n and _below(groups, g, normal):
+    while g < n and _below(groups, g, normal, turned):
         g += 1
     first = g
-    while g < n and not _below(groups, g, normal):
+    while g < n and not _below(groups, g, normal, turned):
         g += 1
     return first, g
 
@@ -209,7 +209,7 @@ def _fill_base_lambert(lobe, cells, radius, leaves):
         return total
     normal, one = (lobe.x, lobe.y, lobe.z), np.float32(1.0)
     while g < len(cells.groups):
-        first, end = _next_run(cells.groups, normal, g)
+        first, end = _next_run(cells.groups, normal, lobe.turned, g)
         leaves[GROUP * g : GROUP * first] = np.float32(0.0)
         a, b = GROUP * first, GROUP * end
         total += fill_lambert(lobe, *_run(cells, a, b), b - a, radius, one, leaves[a:b])
@@ -222,7 +222,7 @@ def _add_base_gloss(lobe, cells, radius, leaves, spread):
     """Add the glossy lobe to the base's cells."""
     g, one = 0, np.float32(1.0)
     while g < len(cells.groups):
-        first, end = _next_run(cells.groups, lobe.normal, g)
+        first, end = _next_run(cells.groups, lobe.normal, lobe.turned, g)
         spread[GROUP * g : GROUP * first] = np.float32(0.0)
         a, b = GROUP * first, GROUP * end
         run = _run(cells, a, b)
@@ -231,15 +231,17 @@ def _add_base_gloss(lobe, cells, radius, leaves, spread):
 
 
 @kernel
-def build_product(lobes, p, cells, averages, levels, products, scratch):
+def build_product(lobes, p, turned, cells, averages, levels, products, scratch):
     """Write the product of point p; trees[p, 0] is 0 where no light can reach it.
 
+    turned: float32, how far normals may be turned of points that use it too, radians
     averages, levels: the LightPyramid
     """
+    products.own[p] = p
     tree = products.trees[p]
     leaves = tree[BASE_BEGIN:BLOCK_BEGIN]
     radius, one = np.float32(2.0 / (1 << BASE_LEVEL)), np.float32(1.0)
-    lambert = lambert_at(lobes, p)
+    lambert = lambert_at(lobes, p, turned)
     matte = _fill_base_lambert(lambert, cells, radius, leaves)
     products.blocks[p], products.follow[p] = 0, 0.0
     if lobes.kind[p] <= DIFFUSE_LOBE:
@@ -248,7 +250,7 @@ def build_product(lobes, p, cells, averages, levels, products, scratch):
             products.follow[p] = _SHEEN
         sum_base(tree)
         return
-    gloss = gloss_at(lobes, p)
+    gloss = gloss_at(lobes, p, turned)
     _add_base_gloss(gloss, cells, radius, leaves, scratch.spread)
     total = np.float32(0.0)
     for r in range(BASE_CELLS):

@@ -21,9 +21,10 @@ from .film import Tile
 from .guide import Guides
 from .incremental import PixelSums, Sampler, continue_points
 from .light_rays import Light
+from .like_products import apart_of
 from .lobe_setup import setup_lobes
 from .lobes import DIFFUSE_LOBE, Lobes
-from .neighbours import CELL_PX, find_neighbours
+from .neighbours import CELL_PX, find_neighbours, long_blocks
 from .paper import PaperSampler
 from .paper_tables import PaperTables
 from .sample_plan import Demand
@@ -36,8 +37,6 @@ from .surface import closure_layers, surface_lobes
 from .unbiased_rays import UnbiasedSampler
 from .watch import StopFlag
 
-# Points that are sampled together where rays are written: a batch is long enough for Embree.
-_RAY_POINTS = 256
 _kept = threading.local()
 
 
@@ -246,7 +245,8 @@ def _add_by_products(job, seen, places, sequence, sums, bounds, rule, guides) ->
     room = _room(bool((lobes.kind > DIFFUSE_LOBE).any()))
     offset, traversal = np.float32(job.accel.offset), job.accel.traversal
     stop = job.stop.memory
-    own = points, lobes, job.light, sequence, offset, traversal, rule, sums, room, stop
+    apart = apart_of(job.settings)
+    own = points, lobes, apart, job.light, sequence, offset, traversal, rule, sums, room, stop
     return continue_blocks(bounds, guides, places, *own)
 
 
@@ -262,10 +262,14 @@ def _room(glossy: bool) -> Room:
 def _add_by_rays(job, seen, places, sequence, sums, bounds, rule, _) -> int:
     """By a sampler that writes its rays: mode PAPER's, or where the Accel wants to see them."""
     traced = 0
-    for block in _long_blocks(bounds):
+    for cells in long_blocks(bounds):
+        block = slice(int(bounds[cells.start]), int(bounds[cells.stop]))
         own, part = seen.at(block), PixelSums(*(column[block] for column in sums))
         sampler = make_sampler(
-            job, own, sequence._replace(x=sequence.x[block], y=sequence.y[block])
+            job,
+            own,
+            sequence._replace(x=sequence.x[block], y=sequence.y[block]),
+            bounds[cells.start : cells.stop + 1] - block.start,
         )
         near = None
         if rule.kind != PAPER_RULE:
@@ -279,19 +283,15 @@ def _add_by_rays(job, seen, places, sequence, sums, bounds, rule, _) -> int:
     return traced
 
 
-def make_sampler(job: Job, seen: SeenPoints, sequence: PixelSequence) -> Sampler:
-    """The sampler of the settings' estimator that writes its rays. sequence: of the points"""
+def make_sampler(
+    job: Job, seen: SeenPoints, sequence: PixelSequence, bounds: np.ndarray | None = None
+) -> Sampler:
+    """The sampler of the settings' estimator that writes its rays.
+
+    sequence: of the points; bounds: int32, where their blocks begin; None: they are one
+    """
     points, lobes, rows = seen
     if job.settings.estimator == "PAPER":
         return PaperSampler(points, lobes, rows, job.tables, sequence, job.accel.offset)
-    return UnbiasedSampler(points, lobes, job.light, sequence, job.accel.offset)
-
-
-def _long_blocks(bounds: np.ndarray) -> list[slice]:
-    """Slices of whole blocks with about _RAY_POINTS points."""
-    runs, first = [], 0
-    for k in range(1, len(bounds)):
-        if k + 1 == len(bounds) or bounds[k + 1] - first > _RAY_POINTS:
-            runs.append(slice(first, int(bounds[k])))
-            first = int(bounds[k])
-    return runs
+    own = points, lobes, job.light, sequence, job.accel.offset
+    return UnbiasedSampler(*own, apart_of(job.settings), bounds)

@@ -29,10 +29,10 @@ from .lanes import (
     new_lanes,
 )
 from .light_rays import Light
+from .like_products import ProductScratch, new_product_scratch
 from .lobes import DIFFUSE_LOBE, Lobes
 from .lobes_at import lobes_at
 from .product import Products, pdf_product
-from .product_build import BlockScratch, build_product, new_block_scratch
 from .sample_order import MOST_ORDERED, SampleOrder, new_sample_order, order_samples
 from .sequence import PixelSequence, scramble
 from .shading import ShadingPoints
@@ -77,7 +77,7 @@ class Work(NamedTuple):
     follows: np.ndarray
     x: np.ndarray
     y: np.ndarray
-    scratch: BlockScratch
+    scratch: ProductScratch
     order: SampleOrder
 
 
@@ -90,7 +90,7 @@ def new_work() -> Work:
         np.zeros(LANES, np.int32),
         np.zeros(LANES, np.float32),
         np.zeros(LANES, np.float32),
-        new_block_scratch(),
+        new_product_scratch(),
         new_sample_order(),
     )
 
@@ -106,14 +106,6 @@ def bsdf_share(follow, kind):
 
 
 @kernel(inline="always")
-def build_products(lobes, light, products, scratch):
-    """Fill the products of all points of lobes."""
-    averages, levels = light.pyramid.averages, light.pyramid.levels
-    for p in range(len(lobes.kind)):
-        build_product(lobes, p, light.cells, averages, levels, products, scratch)
-
-
-@kernel(inline="always")
 def _fill_lanes(task, p, end, samples, k, work, n):
     """Put those of samples[k:], int32, that are below end into the lanes of point p from n on.
 
@@ -121,14 +113,16 @@ def _fill_lanes(task, p, end, samples, k, work, n):
     """
     lanes, bits, sequence = work.lanes, work.bits, task.sequence
     share = np.float32(bsdf_share(task.products.follow[p], task.lobes.kind[p]))
-    tree = np.int64(p) * task.products.trees.shape[1]
+    own = task.products.own[p]
+    tree = np.int64(own) * task.products.trees.shape[1]
     while k < len(samples) and n < LANES:
         i = samples[k]
         k += 1
         if i < end:
             bits[n], bits[LANES + n] = sequence.points[i, 0], sequence.points[i, 1]
             bits[2 * LANES + n], bits[3 * LANES + n] = sequence.x[p], sequence.y[p]
-            work.share[n], lanes.tree[n], lanes.point[n], lanes.sample[n] = share, tree, p, i
+            work.share[n], lanes.product[n], lanes.tree[n] = share, own, tree
+            lanes.point[n], lanes.sample[n] = p, i
             n += 1
     return k, n
 

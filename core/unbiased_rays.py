@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
+from ._jit import kernel
 from .embree_rays import NOTHING
 from .guide import new_guides
 from .incremental import RayBatch, new_sums
 from .light_rays import Light
+from .like_products import NEARLY_ALIKE, build_products
 from .lobes import DIFFUSE_LOBE, Lobes
 from .product import new_products
 from .sequence import PixelSequence
 from .shading import ShadingPoints
-from .unbiased import Task, build_products, new_work, take_samples
+from .unbiased import Task, new_work, take_samples
 
 
 class UnbiasedSampler:
     """Product sampling of some points as rays (incremental.Sampler).
 
     A render takes block_loop.continue_blocks, which makes the same samples and traces them at once.
-    offset: metres that a shadow ray starts off its surface
+    offset: metres that a shadow ray starts off its surface; apart: of build_products; bounds: int,
+    where blocks of points begin, and their number; None: one block
     """
 
     def __init__(
@@ -29,16 +32,20 @@ class UnbiasedSampler:
         light: Light,
         sequence: PixelSequence,
         offset: float,
+        apart: np.float32 = NEARLY_ALIKE,
+        bounds: np.ndarray | None = None,
     ):
         glossy = bool((lobes.kind > DIFFUSE_LOBE).any())
         products, self._work = new_products(len(points.pixel), glossy), new_work()
-        build_products(lobes, light, products, self._work.scratch)
+        bounds = np.array([0, len(points.pixel)]) if bounds is None else bounds
+        _build_blocks(bounds, lobes, apart, light, products, self._work.scratch)
         own = products, new_guides(0), sequence, np.float32(offset)
         self._task = Task(points, lobes, light, *own)
 
     def lit(self) -> np.ndarray:
         """See incremental.Sampler."""
-        return self._task.products.trees[:, 0] > 0.0
+        products = self._task.products
+        return products.trees[products.own, 0] > 0.0
 
     def unoccluded(self) -> None:
         """See incremental.Sampler: only the samples know it."""
@@ -47,3 +54,10 @@ class UnbiasedSampler:
         """See incremental.Sampler."""
         own = self._task, self._work, active, len(active), first, counts
         return take_samples(*own, NOTHING, new_sums(0), rays)
+
+
+@kernel
+def _build_blocks(bounds, lobes, apart, light, products, scratch):
+    for block in range(len(bounds) - 1):
+        first, end = bounds[block], bounds[block + 1]
+        build_products(lobes, first, end, apart, light, products, scratch)

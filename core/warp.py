@@ -115,7 +115,7 @@ def _descend_blocks(products, light, lanes, n):
     numbers, links, trees = lanes.numbers, products.links.reshape(-1), products.trees.reshape(-1)
     stride = products.links.shape[1]
     for s in range(n):
-        lanes.block[s] = links[np.int64(lanes.point[s]) * stride + lanes.base[s]]
+        lanes.block[s] = links[np.int64(lanes.product[s]) * stride + lanes.base[s]]
     level = np.int64(BASE_LEVEL)
     while level < DEEPEST_LEVEL:
         _step_to(level + 1, SUMS_BEGIN, trees, light, lanes, n)
@@ -131,7 +131,7 @@ def _descend_blocks(products, light, lanes, n):
             k = BLOCK_CELLS * max(block - 1, 0) + (cell & (BLOCK_CELLS - 1))
             value = np.float32(BLOCK_CELLS) * trees[lanes.tree[s] + (BLOCK_BEGIN + k)]
             here = light.averages[around + (cell >> deeper)]
-            link = links[np.int64(lanes.point[s]) * stride + (BASE_CELLS + k)]
+            link = links[np.int64(lanes.product[s]) * stride + (BASE_CELLS + k)]
             numbers[PDF + s] *= value / numbers[V + s] if inside else _ONE
             numbers[U + s] = here if inside else numbers[U + s]
             lanes.block[s] = link if inside else 0
@@ -198,7 +198,7 @@ def _square_to_sphere(numbers, n):
 def warp_lanes(products, cut, light, leaves, lanes, n):
     """Warp the points (X, Y) of lanes 0 ... n - 1 to directions (DX, DY, DZ), with their PDF.
 
-    products: of all points, with lanes.tree and lanes.point: which; their sums must be above 0
+    products: of all points, with lanes.product and lanes.tree: which; their sums must be above 0
     cut: whether these have blocks: all or none; light: the LightPyramid below, and its
     LightLeaves. PDF is in sr^-1.
     """

@@ -44,13 +44,12 @@ class PointProduct:
     products: Products of the one point; total: its sum; lobes: Lobes of the point
     """
 
-    def __init__(self, light, material, normal=(0.0, 0.0, 1.0), wo=(0.0, 0.6, 0.8)):
+    def __init__(self, light, material, normal=(0.0, 0.0, 1.0), wo=(0.0, 0.6, 0.8), turned=0.0):
         normal, wo = np.float32([normal]), np.float32([wo])
         self.lobes = setup_lobes(make_materials(material), normal, normal, wo)
         self.light, self.products = light, new_products(1, True)
-        build_product(
-            self.lobes, 0, light.cells, *light.pyramid[:2], self.products, new_block_scratch()
-        )
+        own = self.lobes, 0, np.float32(turned), light.cells, *light.pyramid[:2], self.products
+        build_product(*own, new_block_scratch())
         self.total = float(self.products.trees[0, 0])
 
     def warp(self, points):
