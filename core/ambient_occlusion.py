@@ -46,8 +46,11 @@ class TileOcclusion:
         """Trace rays there from now on."""
         self._accel = accel
 
-    def add_pass(self, points: ShadingPoints, lobes: Lobes, places, number: int) -> None:
-        """Add a pass's points to their pixels. places: column and row in the frame of each"""
+    def add_pass(self, points: ShadingPoints, lobes: Lobes, places, number: np.ndarray) -> None:
+        """Add points of passes to their pixels.
+
+        places: column and row in the frame of each; number: int64 (n,), of each its pass
+        """
         if self.wanted:
             own = self._seen(points, lobes, places, number * _OF_A_PASS, _OF_A_PASS)
             np.add.at(self._open, points.pixel, own)
@@ -69,7 +72,8 @@ class TileOcclusion:
     def _seen(self, points, lobes, places, first, count) -> np.ndarray:
         """float64 (n,): the share of ``count`` rays, from ``first`` on, that meet nothing."""
         n = len(points.pixel)
-        sequence = _sequence(places, first + count, self._settings)
+        first = np.broadcast_to(first, n).astype(np.int64)
+        sequence = _sequence(places, int(first.max(initial=0)) + count, self._settings)
         origins, directions = (np.zeros((n * count, 3), np.float32) for _ in range(2))
         leaves = np.zeros(n * count, np.bool_)
         offset = np.float32(self._accel.offset)
@@ -102,7 +106,7 @@ def _sequence(places, count, settings) -> PixelSequence:
 
 @kernel
 def _fill_rays(points, normal, sequence, first, count, offset, origins, directions, leaves):
-    """Write ``count`` rays of each point, and whether they leave its face at all."""
+    """Write rays first[p] ... first[p] + count - 1 of each point p; whether they leave its face."""
     for p in range(len(points.pixel)):
         face, n = points.geometric_normal[p], normal[p]
         below = points.lift_below[p]
@@ -111,7 +115,7 @@ def _fill_rays(points, normal, sequence, first, count, offset, origins, directio
         up = (side * n[0], side * n[1], side * n[2])
         s, t = basis(up)
         for k in range(count):
-            u, v = sequence_point(sequence, p, first + k)
+            u, v = sequence_point(sequence, p, first[p] + k)
             radius, angle = np.float32(math.sqrt(u)), np.float32(2.0 * math.pi * v)
             x, y = radius * math.cos(angle), radius * math.sin(angle)
             z = np.float32(math.sqrt(1.0 - u))

@@ -1,9 +1,9 @@
 """The paper's loop for mode UNBIASED, in machine code from a block's products to its sums.
 
-A block is the points of one cell of 8 x 8 pixels (neighbours.py), whose products stay in a core's
-second cache from round to round. The rounds are those of incremental.py, where the loop is written
-out for any sampler; here samples are traced as soon as the lanes are full, so that nothing is
-written to memory but the sums, and no round asks for Python's lock.
+A block is the points of one cell of 8 x 8 pixels (neighbours.py), of one pass or a few, whose
+products stay in a core's second cache from round to round. The rounds are those of incremental.py,
+where the loop is written out for any sampler; here samples are traced as soon as the lanes are
+full, so that nothing is written to memory but the sums, and no round asks for Python's lock.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from .sample_order import MOST_ORDERED
 from .sequence import PixelSequence
 from .shading import ShadingPoints
 from .stop_rule import (
-    PAPER_RULE,
     Rule,
     RuleRoom,
+    asks_neighbours,
     begin_rule,
     decide_rule,
     end_of_round,
@@ -41,7 +41,8 @@ from .stop_rule import (
 )
 from .unbiased import Task, Work, new_work, take_samples
 
-BLOCK_POINTS = CELL_PX * CELL_PX
+PASSES_AT_ONCE = 4  # of a cell's pixels, at the most
+BLOCK_POINTS = PASSES_AT_ONCE * CELL_PX * CELL_PX
 # Samples between two looks at the flag of a cancel: some milliseconds.
 _BATCH = MOST_ORDERED
 
@@ -266,7 +267,7 @@ def continue_blocks(
         a, b = bounds[block], bounds[block + 1]
         neighbours = Neighbours(room.near[: b - a], room.group[: b - a])
         own = _points_at(points, a, b)
-        if rule.kind != PAPER_RULE:
+        if asks_neighbours(rule):
             own_places = where.column[a:b], where.row[a:b], where.material[a:b]
             fill_neighbours(*own_places, own.normal, room.slots, neighbours)
         part = Rule(rule.kind, rule.threshold, rule.batch, rule.typical, rule.most, rule.plan[a:b])

@@ -47,21 +47,20 @@ class CaughtPasses:
         self._sums = new_pass_sums(n)
 
     def add(self, scene: Scene, world: Backdrop, seen, sums: PixelSums, state: PassSums) -> None:
-        """Add a pass. seen, sums: of points on catchers; state: learns how noisy the pixels are."""
+        """Add passes. seen, sums: of points on catchers; state: learns how noisy the pixels are."""
         points = seen.points
         behind = world.radiance(-points.wo) * points.through
         behind *= np.float32(scene.environment.visible_to_camera)
         add_seen(points.pixel, points.normal, seen.lobes, sums, self._sums)
         add_background(points.pixel, behind, False, self._sums)
-        self._sums.opaque[points.pixel] += opacity_of(points.through)
+        np.add.at(self._sums.opaque, points.pixel, opacity_of(points.through))
         if scene.transparent_film:
             behind = np.ones_like(behind)
         share = arriving(sums.diffuse + sums.glossy, sums.unoccluded)
         light = share.mean(axis=1) * (behind @ _LUMINANCE)
-        state.light[points.pixel] += light
-        state.light_squared[points.pixel] += light**2
-        state.count[points.pixel] += sums.count
-        state.visible[points.pixel] += sums.visible
+        own = (light, light**2, sums.count, sums.visible)
+        for name, value in zip(("light", "light_squared", "count", "visible"), own, strict=True):
+            np.add.at(getattr(state, name), points.pixel, value)
 
     def show(self, scene: Scene, rows: np.ndarray, passes: np.ndarray, layers: dict) -> None:
         """Add to developed layers. rows: of the pixels that the layers show; passes: theirs."""

@@ -56,11 +56,14 @@ class LampRays(NamedTuple):
 
 
 class LampSamples(NamedTuple):
-    """Which numbers a round takes. columns, rows: int64 (n,), the points' pixels in the frame"""
+    """Which numbers a round takes.
+
+    columns, rows, number: int64 (n,), the points' pixels in the frame, the number of each
+    """
 
     columns: np.ndarray
     rows: np.ndarray
-    number: int
+    number: np.ndarray
     seed: int
 
 
@@ -230,7 +233,7 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
         if at.kind == 0:
             p += 1
             continue
-        place = samples.columns[p], samples.rows[p], samples.number, samples.seed
+        place = samples.columns[p], samples.rows[p], samples.number[p], samples.seed
         follows = at.kind > DIFFUSE_LOBE and at.alpha < _NARROW
         start = 0.0
         if choose:

@@ -6,6 +6,8 @@ cover the filter, the lens and the shutter's time evenly, and neighbours differ.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from .camera import CameraRays, rays_through, shutter_times, view_depth
@@ -20,6 +22,24 @@ _SHARP_PX = 1.0
 # than 4, but bright spots out of focus want many points (docs/decisions/0020-cameras.md).
 _BLURRED_SAMPLES = 4
 PILOT = 4  # passes of every pixel, after which its neighbourhood is known
+
+
+class PassRays(NamedTuple):
+    """Rays to look through: rows of pixels, int32 (n,), and the pass of each, int64 (n,)."""
+
+    pixel: np.ndarray
+    number: np.ndarray
+
+    def at(self, which: np.ndarray) -> PassRays:
+        """Some of them."""
+        return PassRays(self.pixel[which], self.number[which])
+
+
+def rays_by_pass(pixels: np.ndarray, first: np.ndarray, counts: np.ndarray) -> PassRays:
+    """Passes first ... first + counts - 1 of each pixel, one pixel after another; int32 (n,)."""
+    begin = np.cumsum(counts) - counts
+    number = np.arange(counts.sum()) - np.repeat(begin - first, counts)
+    return PassRays(np.repeat(pixels, counts), number)
 
 
 def samples_of_a_pass(settings: RenderSettings, camera: Camera) -> int:
@@ -41,10 +61,10 @@ def pass_rays(
     settings: RenderSettings,
     columns: np.ndarray,
     rows: np.ndarray,
-    number: int,
+    number: np.ndarray,
     time: float | None = None,
 ) -> CameraRays:
-    """Ray ``number`` of pixels of the frame. columns, rows: int64 (n,)
+    """Rays of pixels of the frame. columns, rows, number: int64 (n,), of each its number ``number``
 
     time: 0 to 1 of the shutter's time, the same for all; None: each pixel's own
     """
@@ -80,7 +100,7 @@ def _spread(k: int, n: int) -> int:
     return order[k]
 
 
-def pass_numbers(settings: RenderSettings, columns, rows, number: int) -> np.ndarray:
+def pass_numbers(settings: RenderSettings, columns, rows, number) -> np.ndarray:
     """float64 (n,) in [0, 1): what cut-outs draw for the same rays (cutouts.points_through)."""
     own = 0 if settings.decorrelation == "NONE" else 1
     return unit_points(own * columns, own * rows, number, settings.seed, LAYERS)[:, 0]

@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 
 from .ambient_occlusion import TileOcclusion
+from .block_loop import PASSES_AT_ONCE
 from .catchers import CaughtPasses, has_role, plays
 from .guide import new_guides
 from .incremental import PixelSums, new_sums
@@ -15,7 +16,7 @@ from .pass_rays import samples_of_a_pass
 from .pass_sums import PassSums, add_seen
 from .scene import HOLDOUT, SHADOW_CATCHER
 from .shading import ShadingPoints
-from .stop_rule import paper_rule
+from .stop_rule import pass_rule
 from .tile_job import (
     ClosureLayer,
     Job,
@@ -31,6 +32,8 @@ from .tile_lamps import TileLamps
 class PassSampler:
     """Samples the points of a tile's passes.
 
+    together: how many passes may be taken at once; one where each is decided upon (rule PAPER), or
+        has a slice of the shutter's time in common
     lamps: what they bring to the pixels; occlusion: the pass of that name
     traced: shadow rays so far, without theirs
     """
@@ -43,6 +46,9 @@ class PassSampler:
         self._caught = CaughtPasses(n) if has_role(job.scene, SHADOW_CATCHER) else None
         self.lamps = TileLamps(job.scene, job.settings, job.accel, n)
         self.occlusion = TileOcclusion(job.scene, job.settings, job.accel, n)
+        self._batch = samples_of_a_pass(job.settings, job.scene.camera)
+        alone = job.settings.stop_rule == "PAPER" or job.slices
+        self.together = 1 if alone else PASSES_AT_ONCE
         self.traced = 0
 
     def look_at(self, job: Job) -> None:
@@ -56,8 +62,8 @@ class PassSampler:
         """All shadow rays so far."""
         return self.traced + self.lamps.traced + self.occlusion.traced
 
-    def gather(self, points: ShadingPoints, count: int, number: int) -> list[tuple]:
-        """Sample what pass ``number`` sees, ``count`` samples a point.
+    def gather(self, points: ShadingPoints, number: np.ndarray) -> list[tuple]:
+        """Sample points of passes, int64, one for each point, by the samples that these have.
 
         Returns (function, arguments) for each kind of surface: to be called, adds it to the sums.
         """
@@ -66,13 +72,13 @@ class PassSampler:
         found = []
         if plain.any():
             layers = self._layers_of(points, plain)
-            sums = self._sample(self._job, layers, count, number)
-            found.append((self._add_seen, layers, sums, number))
+            sums = self._sample(self._job, layers, number[plain])
+            found.append((self._add_seen, layers, sums, number[plain]))
         if caught.any():
             layers = self._layers_of(points, caught)
             job = dataclasses.replace(self._job, accel=self._job.accel.without_catchers)
-            sums = self._sample(job, layers, count, number)
-            found.append((self._add_caught, layers, sums, number, job.accel))
+            sums = self._sample(job, layers, number[caught])
+            found.append((self._add_caught, layers, sums, number[caught], job.accel))
         return found
 
     def show_caught(self, rows: np.ndarray, layers: dict[str, np.ndarray]) -> None:
@@ -97,24 +103,27 @@ class PassSampler:
         sums = self.lamps.caught(layers, places, number, accel, sums)
         self._caught.add(self._job.scene, self._job.seen_world, seen, sums, self._state)
 
-    def _sample(self, job: Job, layers, count: int, number: int) -> list[PixelSums]:
-        """count samples of each point, shared among its closures."""
+    def _sample(self, job: Job, layers, number) -> list[PixelSums]:
+        """The samples of each point, shared among its closures."""
         if len(layers) == 1:
-            return [self._sample_rows(job, layers[0].seen, count, number)]
+            return [self._sample_rows(job, layers[0].seen, number, 1)]
         closures = np.bincount(np.concatenate([layer.of for layer in layers]))
         found = []
         for seen, of in layers:
             found.append(new_sums(len(of)))
             for k in np.unique(closures[of]):
                 rows = np.flatnonzero(closures[of] == k)
-                part = self._sample_rows(job, seen.at(rows), max(count // k, 1), number)
+                part = self._sample_rows(job, seen.at(rows), number[of[rows]], k)
                 for whole, own in zip(found[-1], part, strict=True):
                     whole[rows] = own
         return found
 
-    def _sample_rows(self, job: Job, seen: SeenPoints, count: int, number: int) -> PixelSums:
-        first = number * samples_of_a_pass(job.settings, job.scene.camera)
-        sums, rule = new_sums(len(seen.rows)), paper_rule(-1.0, count, first + count)
+    def _sample_rows(self, job: Job, seen: SeenPoints, number, share: int) -> PixelSums:
+        """share: of the samples of its pass, a point takes one in so many."""
+        n = self._batch
+        first = (number * n).astype(np.int32)
+        count = np.maximum(np.minimum(n, job.settings.max_samples - first) // share, 1)
+        sums, rule = new_sums(len(seen.rows)), pass_rule(max(n // share, 1), first + count)
         cells = np.arange(self._n_cells + 1)
         bounds = np.searchsorted(self._cell[seen.points.pixel], cells).astype(np.int32)
         self.traced += add_samples(job, seen, self._around, sums, bounds, rule, self._guides, first)

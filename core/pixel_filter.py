@@ -68,15 +68,18 @@ def point_of_pixel(place, salt):
 @kernel
 def _fill_points(columns, rows, number, seed, salt, out):
     for k in range(len(columns)):
-        out[k, 0], out[k, 1] = point_of_pixel((columns[k], rows[k], number, seed), salt)
+        out[k, 0], out[k, 1] = point_of_pixel((columns[k], rows[k], number[k], seed), salt)
 
 
-def unit_points(columns, rows, number: int, seed: int, salt: int = FILTER) -> np.ndarray:
+def unit_points(columns, rows, number, seed: int, salt: int = FILTER) -> np.ndarray:
     """float64 (n, 2) in [0, 1): point ``number`` of each pixel. columns, rows: int64 (n,)
+
+    number: int, or int (n,), each pixel's own
 
     salt: what they are for, FILTER or another of these
     """
     out = np.empty((len(columns), 2))
+    number = np.ascontiguousarray(np.broadcast_to(number, len(columns)), np.int64)
     _fill_points(columns, rows, number, seed, salt, out)
     return out
 

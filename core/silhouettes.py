@@ -26,17 +26,17 @@ class Silhouettes:
         self.blurred = np.zeros(n, np.bool_)
 
     def note(self, missed: np.ndarray, looks: np.ndarray, points: ShadingPoints) -> None:
-        """Take a pass: its points, ``pixel`` counted as here, and the pixels that missed.
+        """Take rays: their points, ``pixel`` counted as here, and the pixels of those that missed.
 
         looks: bool, one for each of these, whether its ray sees the world, or nothing
         """
         objects = self._scene.mesh.object_index[points.triangle]
         world = np.where(looks, _WORLD, _NOTHING)
         for pixels, seen in ((missed, world), (points.pixel, objects)):
-            self._least[pixels] = np.minimum(self._least[pixels], seen)
-            self._greatest[pixels] = np.maximum(self._greatest[pixels], seen)
+            np.minimum.at(self._least, pixels, seen)
+            np.maximum.at(self._greatest, pixels, seen)
         camera = self._scene.camera
-        self.blurred[points.pixel] |= blurred(camera, points.position)
+        self.blurred[points.pixel[blurred(camera, points.position)]] = True
         self.blurred[missed] |= world_blurred(camera)
 
     def near(self) -> np.ndarray:

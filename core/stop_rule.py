@@ -105,10 +105,10 @@ def relative_error(count, seen, seen_squared):
 class Rule(NamedTuple):
     """A stop rule as kernels take it.
 
-    kind: PAPER_RULE, PERCEPTUAL_RULE or PLAN
+    kind: PAPER_RULE, PERCEPTUAL_RULE, PLAN or PASS_RULE
     threshold: PAPER_RULE: E; -1 = never done before ``most`` (FIXED); batch: points a round
     typical: PERCEPTUAL_RULE: T; most: samples of a point at the most
-    plan: int32, PLAN: how many each point gets; else empty
+    plan: int32, PLAN, PASS_RULE: how many each point gets; else empty
     """
 
     kind: int
@@ -119,7 +119,7 @@ class Rule(NamedTuple):
     plan: np.ndarray
 
 
-PAPER_RULE, PERCEPTUAL_RULE, PLAN = 0, 1, 2
+PAPER_RULE, PERCEPTUAL_RULE, PLAN, PASS_RULE = 0, 1, 2, 3
 _NO_PLAN = np.zeros(0, np.int32)
 
 
@@ -140,6 +140,12 @@ def new_rule_room(n: int) -> RuleRoom:
     return RuleRoom(np.empty((n, 4)), np.empty(n), np.empty(n, np.float32), np.empty(n, np.int32))
 
 
+@kernel(forceinline=True)
+def asks_neighbours(rule):
+    """Whether the rule is told which points tell of each other."""
+    return rule.kind == PERCEPTUAL_RULE or rule.kind == PLAN
+
+
 @kernel
 def _plan_points(rule, neighbours, sums, room, n, wanted):
     """Set ``wanted`` of the n points in room.points by their spread."""
@@ -156,7 +162,7 @@ def begin_rule(rule, neighbours, sums, room, wanted):
     """Write how many samples each point is to have; they have those in ``sums``, or none."""
     n = 0
     for p in range(len(wanted)):
-        if rule.kind == PLAN:
+        if rule.kind == PLAN or rule.kind == PASS_RULE:
             wanted[p] = min(rule.plan[p], rule.most)
         elif rule.kind == PAPER_RULE:
             wanted[p] = rule.most if sums.error[p] > rule.threshold else sums.count[p]
@@ -174,7 +180,7 @@ def end_of_round(rule, taken):
     """Where the round that begins at ``taken`` samples ends: decide_rule is asked there."""
     if rule.kind == PLAN:
         return rule.most
-    if rule.kind == PAPER_RULE:
+    if rule.kind == PAPER_RULE or rule.kind == PASS_RULE:
         return min(taken + rule.batch, rule.most)
     power = FIRST_COUNT
     while power <= taken:
@@ -185,7 +191,7 @@ def end_of_round(rule, taken):
 @kernel
 def decide_rule(rule, neighbours, active, n, taken, sums, room, wanted):
     """Set ``wanted`` of those of the n active points, int32, that have ``taken`` samples now."""
-    if rule.kind == PLAN:
+    if rule.kind == PLAN or rule.kind == PASS_RULE:
         return
     m = 0
     for a in range(n):
@@ -208,8 +214,8 @@ def finish_rule(rule, neighbours, sums, room):
 
     PERCEPTUAL, or a plan: sqrt(.45 / N) r, which is E where r is 1 and N as wanted.
     """
-    if rule.kind == PAPER_RULE:
-        return  # decide_rule has written them
+    if not asks_neighbours(rule):
+        return  # decide_rule has written them, or nobody asks
     n = 0
     for p in range(len(sums.count)):
         if sums.count[p] > 0:
@@ -235,6 +241,14 @@ def perceptual_rule(typical: float, most: int, plan: np.ndarray | None = None) -
     kind = PERCEPTUAL_RULE if plan is None else PLAN
     plan = _NO_PLAN if plan is None else np.ascontiguousarray(plan, np.int32)
     return Rule(kind, 0.0, 1, float(typical), int(most), plan)
+
+
+def pass_rule(batch_size: int, plan: np.ndarray) -> Rule:
+    """What points of several passes have to take: ``plan``, int32 (n,), in rounds of batch_size.
+
+    Without errors: those of the pixels are pass_sums.py's.
+    """
+    return Rule(PASS_RULE, 0.0, int(batch_size), 1.0, int(plan.max(initial=0)), plan)
 
 
 def stop_rule(settings: RenderSettings) -> Rule:

@@ -32,7 +32,7 @@ from .scene import Camera, Scene
 from .sequence import PixelSequence, pixel_sequence
 from .settings import RenderSettings
 from .shading import ShadingPoints, params_at
-from .stop_rule import PAPER_RULE, Rule
+from .stop_rule import Rule, asks_neighbours
 from .surface import closure_layers, surface_lobes
 from .unbiased_rays import UnbiasedSampler
 from .watch import StopFlag
@@ -212,13 +212,13 @@ def add_samples(
     bounds: np.ndarray,
     rule: Rule,
     guides: Guides,
-    first: int = 0,
+    first: int | np.ndarray = 0,
 ) -> int:
     """Take the points on, a block after another, as the stop rule says: shadow rays traced.
 
     rect: the tile whose pixels ``points.pixel`` counts; sums: of the points, added to; bounds:
     int32, where blocks begin, whole cells for rule PERCEPTUAL; guides: of the blocks, added to, or
-    of none; first: samples before those of sums
+    of none; first: samples before those of sums, of each point or of all
     """
     if not len(seen.rows):
         return 0
@@ -272,7 +272,7 @@ def _add_by_rays(job, seen, places, sequence, sums, bounds, rule, _) -> int:
             bounds[cells.start : cells.stop + 1] - block.start,
         )
         near = None
-        if rule.kind != PAPER_RULE:
+        if asks_neighbours(rule):
             where = places.column[block], places.row[block]
             near = find_neighbours(*where, own.rows, own.points.normal)
         rounds = rule._replace(plan=rule.plan[block])

@@ -59,11 +59,12 @@ class TileLamps:
         """Trace shadow rays there from now on."""
         self._accel = accel
 
-    def add_pass(self, layers: list[ClosureLayer], places, number: int, sums) -> None:
-        """Add a pass's points to their pixels, and their light to what the stop rule sees of it.
+    def add_pass(self, layers: list[ClosureLayer], places, number, sums) -> None:
+        """Add points of passes to their pixels, and their light to what the stop rule sees of it.
 
-        layers: of the points; places: column and row in the frame of each; number: of the pass;
-        sums: PixelSums of the points, whose ``seen`` and ``seen_squared`` are of the world before
+        layers: of the points; places: column and row in the frame of each; number: int64 (n,), of
+        each its pass; sums: PixelSums of the points, whose ``seen`` and ``seen_squared`` are of the
+        world before
         """
         if not self._any:
             return
@@ -116,17 +117,18 @@ class TileLamps:
         return sums
 
     def _add(self, layers, lamps, places, number, light, accel) -> None:
-        own = 0 if self._settings.decorrelation == "NONE" else 1
+        apart = 0 if self._settings.decorrelation == "NONE" else 1
         for seen, of in layers:
-            columns, rows = (own * place[of].astype(np.int64) for place in places)
-            samples = LampSamples(columns, rows, number, self._settings.seed)
+            columns, rows = (apart * place[of].astype(np.int64) for place in places)
+            own = np.broadcast_to(number, len(places[0]))[of].astype(np.int64)
+            samples = LampSamples(columns, rows, own, self._settings.seed)
             part = np.zeros((len(of), COLUMNS))
             given = seen.points, seen.lobes, lamps, accel, samples, part
             self.traced += add_lamp_light(*given)
             light[of] += part
 
-    def caught(self, layers, places, number: int, accel: Accel, sums: PixelSums) -> PixelSums:
-        """The sums of a pass's points on shadow catchers, with the lamps' light in all of them.
+    def caught(self, layers, places, number, accel: Accel, sums: PixelSums) -> PixelSums:
+        """The sums of points of passes on shadow catchers, with the lamps' light in all of them.
 
         accel: what throws shadows on catchers. The rest as for add_pass
         """

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core import filtered_tile
+from iwis.core import pass_plan
 from iwis.core.film import LAYERS
 from iwis.core.filtered_tile import FilteredTile
 from iwis.core.pass_rays import samples_of_a_pass
@@ -234,7 +234,7 @@ def test_thin_wires_before_the_sky_keep_their_darkness(rule, monkeypatch):
         return (1.0 - layers["combined"][..., 0]).sum() / expected
 
     assert share() == pytest.approx(1.0, abs=0.1)
-    monkeypatch.setattr(filtered_tile, "_SILHOUETTE", 0)
+    monkeypatch.setattr(pass_plan, "_SILHOUETTE", 0)
     assert share() < 0.75
 
 

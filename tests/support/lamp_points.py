@@ -35,5 +35,6 @@ def sampled(rows, material, pixels=4000, numbers=4, blocker=None, lamps=None):
     lamps, sums = make_lamps(rows) if lamps is None else lamps, np.zeros((pixels, COLUMNS))
     columns, row = np.arange(pixels), np.zeros(pixels, np.int64)
     for number in range(numbers):
-        add_lamp_light(points, lobes, lamps, accel, LampSamples(columns, row, number, 7), sums)
+        samples = LampSamples(columns, row, np.full(pixels, number), 7)
+        add_lamp_light(points, lobes, lamps, accel, samples, sums)
     return sums[:, :6] / numbers

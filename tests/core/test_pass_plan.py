@@ -1,0 +1,166 @@
+"""core/pass_plan.py: how many passes pixels want, and which are taken at once."""
+
+import numpy as np
+import pytest
+
+from iwis.core import pass_plan, pass_samples
+from iwis.core.block_loop import BLOCK_POINTS, PASSES_AT_ONCE
+from iwis.core.lamps import SPHERE, make_lamps
+from iwis.core.neighbours import CELL_PX
+from iwis.core.pass_plan import PassPlan, end_of_batch
+from iwis.core.pass_rays import PILOT, rays_by_pass
+from iwis.core.pass_samples import PassSampler
+from iwis.core.pass_sums import new_pass_sums
+from iwis.core.scene import CAMERA_RAYS, SHADOW_CATCHER, SHADOW_RAYS
+from iwis.core.settings import RenderSettings
+from iwis.core.tile_job import Rect
+from support.scenes import (
+    camera_above,
+    diffuse,
+    gradient_world,
+    make_job,
+    make_picture,
+    make_scene,
+    quad,
+    varied_scene,
+)
+
+FILTERED = {"pixel_filter": "BLACKMAN_HARRIS", "threads": 1}
+
+
+def _ends(together, most):
+    """Where batches end, from the first pass on."""
+    passes, ends = 0, []
+    while passes < most:
+        passes = end_of_batch(passes, together)
+        ends.append(passes)
+    return ends
+
+
+def test_first_passes_are_taken_alone():
+    """A picture is there at once, and a pilot ends where it is decided upon."""
+    assert _ends(4, 20) == [1, 2, 4, 8, 12, 16, 20]
+    assert _ends(1, 6) == [1, 2, 3, 4, 5, 6]
+    assert PILOT in _ends(PASSES_AT_ONCE, 8)
+    assert CELL_PX**2 * PASSES_AT_ONCE <= BLOCK_POINTS
+
+
+@pytest.mark.parametrize("passes", range(30))
+def test_batches_end_at_the_same_passes_wherever_they_begin(passes):
+    """So pixels of a budget that have fallen behind come back into step."""
+    end = end_of_batch(passes, 4)
+    assert passes < end <= passes + 4
+    assert end in _ends(4, 40)
+
+
+def test_every_pixel_takes_its_own_next_passes():
+    """Pixels that are behind begin where they are; one that wants none has no ray."""
+    rays = rays_by_pass(np.int32([7, 3, 5]), np.int32([0, 4, 6]), np.int32([2, 0, 3]))
+    assert rays.pixel.tolist() == [7, 7, 5, 5, 5]
+    assert rays.number.tolist() == [0, 1, 6, 7, 8]
+    assert rays.at(rays.pixel == 5).number.tolist() == [6, 7, 8]
+
+
+class _Flat:
+    """Silhouettes of a tile where some pixels are near one."""
+
+    def __init__(self, near):
+        self._near, self.blurred = np.array(near), np.zeros(len(near), np.bool_)
+
+    def near(self):
+        return self._near
+
+
+def _plan(near, **settings):
+    n = len(near)
+    pixels, cell = np.arange(n, dtype=np.int32), np.zeros(n, np.int32)
+    return PassPlan(RenderSettings(**settings), 8, False, _Flat(near), pixels, cell)
+
+
+def _some_sums(n, spread):
+    """Four passes of n pixels: radiance 1, with a relative standard deviation of each pass."""
+    sums = new_pass_sums(n)
+    sums.passes[:], sums.hits[:], sums.count[:] = 4, 4, 32
+    sums.visible[:] = 32
+    sums.light[:] = 4.0
+    sums.light_squared[:] = 4.0 + 3.0 * np.square(spread)
+    sums.unoccluded[:] = 4.0
+    return sums
+
+
+def test_noisier_pixels_want_more_passes_and_edges_some_at_least():
+    """PERCEPTUAL, after the pilot: N grows with the spread; 1.2 / E near a silhouette."""
+    spread = np.array([0.0, 0.3, 1.0, 0.0])
+    settings = {"stop_rule": "PERCEPTUAL", "error_threshold": 0.1, "max_samples": 4096}
+    wanted = _plan([False, False, False, True], **settings).wanted
+    active = np.arange(4, dtype=np.int32)
+    found = wanted(active, 4, _some_sums(4, spread))
+    assert found[0] == 4 and 4 < found[1] < found[2] and found[3] == 12
+    assert (wanted(active, 2, _some_sums(4, spread)) == 512).all()  # nobody ends before the pilot
+
+
+def test_no_pixel_wants_more_than_the_most():
+    """Whatever its noise, and whatever silhouettes ask for."""
+    settings = {"stop_rule": "PERCEPTUAL", "error_threshold": 0.001, "max_samples": 44}
+    plan = _plan([False, True], **settings)
+    found = plan.wanted(np.arange(2, dtype=np.int32), 4, _some_sums(2, np.ones(2)))
+    assert found.tolist() == [6, 6]  # of 8 samples, the last of 4
+
+
+def _plates(**fields):
+    """Two plates, one in the other's shadow: few normals, so that like points' products agree."""
+    parts = [
+        quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)),
+        quad((-0.4, -0.3, 0.3), (0.8, 0.0, 0.0), (0.0, 0.5, 0.3)),
+    ]
+    looks = [diffuse((0.7, 0.5, 0.4)), diffuse((0.3, 0.6, 0.8))]
+    return make_scene(parts, looks, gradient_world(), camera_above(24, 16), **fields)
+
+
+PLAIN = CAMERA_RAYS | SHADOW_RAYS
+LAMPS = [{"kind": SPHERE, "position": (1.0, 1.0, 2.0), "size": (0.3, 0.0)}]
+
+
+@pytest.mark.parametrize(
+    ("most", "fields"),
+    [
+        (64, {}),
+        (90, {"occlusion_distance": 0.5}),
+        (64, {"lamps": make_lamps([row | {"radiance": (5.0, 4.0, 3.0)} for row in LAMPS])}),
+        (64, {"object_flags": np.uint8([PLAIN | SHADOW_CATCHER, PLAIN])}),
+    ],
+    ids=["world", "occlusion", "lamps", "catcher"],
+)
+def test_passes_at_once_are_the_passes_one_by_one(monkeypatch, most, fields):
+    """The same rays and samples; learnt gains are multiplied in steps, so not the same bits."""
+    settings = FILTERED | {"stop_rule": "FIXED", "max_samples": most}
+    once, _ = make_picture(_plates(**fields), **settings)
+    monkeypatch.setattr(pass_samples, "PASSES_AT_ONCE", 1)
+    alone, _ = make_picture(_plates(**fields), **settings)
+    for name in ("samples", "sample_count", "normal", "diffuse_color", "ambient_occlusion"):
+        np.testing.assert_allclose(once[name], alone[name], rtol=1e-5, atol=1e-6, err_msg=name)
+    assert once["combined"][..., :3].max() > 0.0
+    difference = np.abs(once["combined"] - alone["combined"])
+    same = difference <= 1e-4 * np.abs(alone["combined"]) + 1e-6
+    # A direction that has moved by a rounding may pass an edge: one sample of ``most``.
+    assert same.all(axis=-1).mean() > 0.9
+    assert difference.max() <= 4.0 / most * alone["combined"].max()
+
+
+def _together(scene, **settings):
+    job = make_job(scene, **FILTERED | settings)
+    return PassSampler(job, Rect(0, 0, 8, 8), np.zeros(64, np.int32), new_pass_sums(64)).together
+
+
+def test_rule_paper_decides_after_each_pass():
+    """As the paper's loop does; other rules plan ahead."""
+    assert _together(varied_scene()) == PASSES_AT_ONCE
+    assert _together(varied_scene(), stop_rule="PAPER") == 1
+
+
+def test_silhouettes_may_ask_for_nothing(monkeypatch):
+    """The bound is the constant's."""
+    monkeypatch.setattr(pass_plan, "_SILHOUETTE", 0)
+    settings = {"stop_rule": "PERCEPTUAL", "error_threshold": 0.1, "max_samples": 4096}
+    found = _plan([True], **settings).wanted(np.zeros(1, np.int32), 4, _some_sums(1, np.zeros(1)))
+    assert found.tolist() == [4]
