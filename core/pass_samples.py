@@ -14,6 +14,7 @@ from .incremental import PixelSums, new_sums
 from .merged_layers import merge_layers
 from .pass_rays import samples_of_a_pass
 from .pass_sums import PassSums, add_seen
+from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .scene import HOLDOUT, SHADOW_CATCHER
 from .shading import ShadingPoints
 from .stop_rule import pass_rule
@@ -27,6 +28,9 @@ from .tile_job import (
     with_all_lobes,
 )
 from .tile_lamps import TileLamps
+
+_LUMINANCE = np.array([LUMINANCE_R, LUMINANCE_G, LUMINANCE_B])
+_DARK = 1e-3  # albedo, of closures that reflect nothing
 
 
 class PassSampler:
@@ -105,26 +109,38 @@ class PassSampler:
 
     def _sample(self, job: Job, layers, number) -> list[PixelSums]:
         """The samples of each point, shared among its closures."""
-        if len(layers) == 1:
-            return [self._sample_rows(job, layers[0].seen, number, 1)]
-        closures = np.bincount(np.concatenate([layer.of for layer in layers]))
-        found = []
-        for seen, of in layers:
-            found.append(new_sums(len(of)))
-            for k in np.unique(closures[of]):
-                rows = np.flatnonzero(closures[of] == k)
-                part = self._sample_rows(job, seen.at(rows), number[of[rows]], k)
-                for whole, own in zip(found[-1], part, strict=True):
-                    whole[rows] = own
-        return found
+        counts = shared_counts(layers, self._batch)
+        return [
+            self._sample_rows(job, seen, number[of], count)
+            for (seen, of), count in zip(layers, counts, strict=True)
+        ]
 
-    def _sample_rows(self, job: Job, seen: SeenPoints, number, share: int) -> PixelSums:
-        """share: of the samples of its pass, a point takes one in so many."""
-        n = self._batch
-        first = (number * n).astype(np.int32)
-        count = np.maximum(np.minimum(n, job.settings.max_samples - first) // share, 1)
-        sums, rule = new_sums(len(seen.rows)), pass_rule(max(n // share, 1), first + count)
+    def _sample_rows(self, job: Job, seen: SeenPoints, number, count) -> PixelSums:
+        """count: int64, samples of each point; those of a pixel's passes follow each other."""
+        first = (number * count).astype(np.int32)
+        left = np.maximum(job.settings.max_samples - number * self._batch, 1)
+        count = np.where(left < self._batch, np.maximum(count * left // self._batch, 1), count)
+        sums, rule = new_sums(len(seen.rows)), pass_rule(self._batch, first + np.int32(count))
         cells = np.arange(self._n_cells + 1)
         bounds = np.searchsorted(self._cell[seen.points.pixel], cells).astype(np.int32)
         self.traced += add_samples(job, seen, self._around, sums, bounds, rule, self._guides, first)
         return sums
+
+
+def shared_counts(layers: list[ClosureLayer], most: int) -> list[np.ndarray]:
+    """How many of a point's ``most`` samples each of its closures takes: int64, a layer each.
+
+    As they reflect: a coat brings a twentieth of what is under it. One at the least, and where a
+    closure's count is the same in all passes, its samples are the first ones of one sequence.
+    """
+    if len(layers) == 1:
+        return [np.full(len(layers[0].of), most)]
+    albedo = np.zeros((len(layers), len(layers[0].of)))
+    for own, (seen, of) in zip(albedo, layers, strict=True):
+        own[of] = (seen.lobes.diffuse + seen.lobes.glossy_color) @ _LUMINANCE + _DARK
+    share = albedo / albedo.sum(axis=0)
+    counts = np.maximum(np.rint(share * most), albedo > 0.0).astype(np.int64)
+    over, largest = counts.sum(axis=0) - most, counts.argmax(axis=0)
+    rows = np.arange(len(largest))
+    counts[largest, rows] = np.maximum(counts[largest, rows] - over, 1)
+    return [own[of] for own, (_, of) in zip(counts, layers, strict=True)]
