@@ -72,7 +72,8 @@ class FilteredTile:
             if end > last:
                 break
             taken = self._sums.passes[self._active]
-            self._take(self._active, np.minimum(self._wants - taken, end - self._passes))
+            if not self._take(self._active, np.minimum(self._wants - taken, end - self._passes)):
+                break
             self._passes = end
             wants = self._plan.wanted(self._active, end, self._known())
             going = wants > self._sums.passes[self._active]
@@ -158,8 +159,11 @@ class FilteredTile:
             size = end_of_batch(least, self._sampler.together) - least
             self._take(first, np.minimum(wanted[first] - least, size))
 
-    def _take(self, pixels: np.ndarray, counts: np.ndarray) -> None:
-        """The next ``counts`` shading points, int32, of each of the pixels, int32 by cells."""
+    def _take(self, pixels: np.ndarray, counts: np.ndarray) -> bool:
+        """The next ``counts`` shading points, int32, of each of the pixels, int32 by cells.
+
+        Returns whether they count: passes that were cut short would darken those before them.
+        """
         rays, parts = self._next_rays(pixels, counts), []
         for job, looked, time in self._in_time(rays):
             points, numbers, missed = self._look(job, looked, time)
@@ -167,7 +171,7 @@ class FilteredTile:
             found = self._sampler.gather(points, numbers)
             parts.append((job, found, missed))
         if self._passes and self._job.stop.is_set():
-            return  # passes that were cut short would darken those before them
+            return False
         for job, found, missed in parts:
             self._sampler.look_at(job)
             self._add_world(*missed)
@@ -175,6 +179,7 @@ class FilteredTile:
                 add(*own)
         film = self._job.scene.transparent_film
         close_pass(np.repeat(pixels, counts), film, self._known())
+        return True
 
     def _known(self) -> PassSums:
         """The sums as the stop rule is to see them."""

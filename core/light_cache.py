@@ -1,8 +1,8 @@
 """The light's quadtree on disk, found again by the pixels it was made of.
 
 The key is a hash of every byte of the map: two maps that differ in one texel must never share a
-tree. SHA-1, for which processors have instructions, takes .21 s for the 400 MB of an 8K map (BLAKE2b:
-.43): what nobody would forge needs no more.
+tree. SHA-1, for which processors have instructions, takes .21 s for the 400 MB of an 8K map
+(BLAKE2b: .43): what nobody would forge needs no more.
 """
 
 from __future__ import annotations

@@ -131,13 +131,15 @@ def shared_counts(layers: list[ClosureLayer], most: int) -> list[np.ndarray]:
     """How many of a point's ``most`` samples each of its closures takes: int64, a layer each.
 
     As they reflect: a coat brings a twentieth of what is under it. One at the least, and where a
-    closure's count is the same in all passes, its samples are the first ones of one sequence.
+    closure's count is the same in all passes, its samples are the first ones of one sequence. Of
+    colors that are no numbers, or below 0, nothing is expected.
     """
     if len(layers) == 1:
         return [np.full(len(layers[0].of), most)]
     albedo = np.zeros((len(layers), len(layers[0].of)))
     for own, (seen, of) in zip(albedo, layers, strict=True):
-        own[of] = (seen.lobes.diffuse + seen.lobes.glossy_color) @ _LUMINANCE + _DARK
+        color = np.nan_to_num(seen.lobes.diffuse + seen.lobes.glossy_color, nan=0.0, posinf=1.0)
+        own[of] = np.maximum(color @ _LUMINANCE, 0.0) + _DARK
     share = albedo / albedo.sum(axis=0)
     counts = np.maximum(np.rint(share * most), albedo > 0.0).astype(np.int64)
     over, largest = counts.sum(axis=0) - most, counts.argmax(axis=0)

@@ -254,3 +254,21 @@ def test_edges_take_more_samples_and_reach_the_error():
     # measured 1.2: a spread of few passes is known less well where they differ much
     assert error[edges].mean() < 1.5 * error[flat].mean()
     assert layers["samples"][edges].mean() > 2.0 * layers["samples"][flat].mean()
+
+
+def test_passes_that_are_cut_short_do_not_count():
+    """A tile that is stopped in a batch shows the passes before it."""
+    job = make_job(varied_scene(), stop_rule="FIXED", **FILTERED)
+    work = FilteredTile(job, Rect(8, 4, 20, 16))
+    work.advance(16)
+    before, gather = work.develop().layers, work._sampler.gather
+
+    def stopped(*points):
+        found = gather(*points)
+        job.stop.set()
+        return found
+
+    work._sampler.gather = stopped
+    assert not work.advance(40)
+    _assert_same(work.develop().layers, before)
+    assert before["samples"].max() == 16

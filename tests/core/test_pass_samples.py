@@ -46,6 +46,15 @@ def test_every_closure_has_a_sample_even_where_there_are_too_few():
     assert [own.tolist() for own in shared_counts(dark, 8)] == [[4], [4]]
 
 
+@pytest.mark.parametrize("color", [np.nan, np.inf, -np.inf, -3.0])
+def test_colors_that_are_no_colors_take_no_sample_from_others(color):
+    """Counts stay counts: a NaN turned into a number would be a count of billions."""
+    layers = [_layer([0], [_grey(0.5)]), _layer([0], [_grey(0.5)])]
+    layers[1].seen.lobes.diffuse[:] = color
+    first, second = shared_counts(layers, 8)
+    assert first[0] >= 1 and second[0] >= 1 and first[0] + second[0] == 8
+
+
 @pytest.mark.parametrize("most", [64, 44])
 def test_samples_of_a_closure_follow_each_other_from_pass_to_pass(monkeypatch, most):
     """A closure that takes 2 of 8 samples takes numbers 0 and 1, then 2 and 3. With those of every
