@@ -3,7 +3,8 @@
 In the order of the data; a module imports only from groups with a smaller number:
 
     _parts, addresses                               -1  how kernels are put together; raw memory
-    _jit, settings, program, lamps, object_motion    0  how kernels are kept; all defaults
+    _jit, settings, program, lamps, object_motion,   0  how kernels are kept; all defaults
+    compile_apart
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers, triangle_pairs
@@ -25,7 +26,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     emitters
     scene_rays, block_loop, reference, catchers,     8  UNBIASED's loop; estimators to compare with
     unbiased_rays
-    two_stage, tile_job, render_cache                9  another one; a tile's work; what is kept
+    two_stage, tile_job, render_cache, loop_types    9  another one; a tile's work; what is kept
     merged_layers, tile_lamps, budget, warm_up,     10  closures together; BUDGET
     silhouettes, time_slices, ambient_occlusion, early_kernels
     pass_samples, pass_plan                         11  passes of a tile, how many are wanted

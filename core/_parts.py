@@ -46,6 +46,14 @@ class Kernel(CPUDispatcher):
         with global_compiler_lock, _rare_collections():
             return super().compile(sig)
 
+    def is_kept(self, args: tuple) -> bool:
+        """Whether there is machine code for arguments of these types, here or in the cache."""
+        if args in self.overloads:
+            return True
+        files = self._cache
+        key = files._index_key(args, self.targetctx.codegen())
+        return key in files._cache_file._load_index()
+
     def get_call_template(self, args, kws):
         """What type inference asks of a callee; one part serves all integers that are written."""
         args = tuple(types.unliteral(kind) for kind in args)

@@ -1,6 +1,7 @@
 """Reads a render's machine code from disk while its hierarchy is built, which needs no Python.
 
-Some thirty kernels take .3 s to be read, with Python's lock held; Embree builds without it.
+Some thirty kernels take .3 s to be read, with Python's lock held; Embree builds without it. On a
+machine that has none yet, a second process compiles the dearest one.
 """
 
 from __future__ import annotations
@@ -11,7 +12,10 @@ import threading
 
 import numpy as np
 
+from . import _jit, compile_apart
+from .block_loop import continue_blocks
 from .film import Film
+from .loop_types import loop_signature
 from .scene import (
     DIFFUSE,
     GGX,
@@ -37,6 +41,8 @@ def read_early(settings: RenderSettings, render) -> None:
     if settings.estimator == "PAPER" or kind in _begun:
         return
     _begun.add(kind)
+    if hasattr(continue_blocks, "is_kept"):  # not of a numba whose insides are not known
+        compile_apart.begin(continue_blocks, loop_signature(), _jit._CACHE_DIR)
     changes = {"threads": 1, "max_samples": 8, "cache_dir": None}
     if settings.stop_rule == "BUDGET":
         changes |= {"target_samples": 8, "time_limit": 0.0}

@@ -12,6 +12,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from . import compile_apart
 from .accel import Accel
 from .backdrop import Backdrop
 from .block_loop import Places, Room, continue_blocks, new_room
@@ -241,6 +242,8 @@ def frame_places(rect: Rect, pixel: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def _add_by_products(job, seen, places, sequence, sums, bounds, rule, guides) -> int:
+    if not compile_apart.wait(job.stop.is_set):
+        return 0
     points, lobes, _ = seen
     room = _room(bool((lobes.kind > DIFFUSE_LOBE).any()))
     offset, traversal = np.float32(job.accel.offset), job.accel.traversal
