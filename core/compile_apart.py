@@ -58,9 +58,9 @@ def wait(cancelled) -> bool:
     Also ended by the end of the main thread: Python waits for its threads then.
     """
     end = time.monotonic() + _SECONDS
-    while _running:
-        if _running[0].poll() is not None or time.monotonic() > end:
-            _forget(_running[0])
+    while running := list(_running):  # a copy: other threads wait too, and forget it
+        if running[0].poll() is not None or time.monotonic() > end:
+            _forget(running[0])
             break
         if cancelled() or not threading.main_thread().is_alive():
             return False

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -99,6 +100,15 @@ def test_one_that_takes_too_long_is_given_up(alone, monkeypatch):
     (process,) = alone
     assert compile_apart.wait(lambda: False) and not alone
     assert process.returncode not in (None, 0)
+
+
+def test_every_thread_that_waits_goes_on(alone, monkeypatch):
+    """Workers and the early render wait for the same process; one of them is the first to see."""
+    monkeypatch.setattr(compile_apart, "_can_run", lambda: True)
+    compile_apart.begin(_Kernel, (), _jit._CACHE_DIR)
+    with ThreadPoolExecutor(16) as threads:
+        waits = [threads.submit(compile_apart.wait, lambda: False) for _ in range(16)]
+    assert all(wait.result() for wait in waits) and not alone
 
 
 def test_no_second_process_without_a_second_core(alone, monkeypatch):
