@@ -4,10 +4,11 @@ In the order of the data; a module imports only from groups with a smaller numbe
 
     _parts, addresses                               -1  how kernels are put together; raw memory
     _jit, settings, program, lamps, object_motion,   0  how kernels are kept; all defaults
-    compile_apart
+    compile_apart, rows
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
-    pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers, triangle_pairs
+    pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers, triangle_pairs,
+    perlin, texels, element_places
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, emitter_tree, sheen, islands, embree_hits,

@@ -14,6 +14,7 @@ import numpy as np
 from .nodes import Evaluation, ShadeContext
 from .poses import points_at_rest, posed_points
 from .program import Program
+from .rows import any_in_row, row_means
 from .scene import BLACK, Scene
 from .shading import ShadingPoints
 
@@ -39,7 +40,7 @@ def opacity_gain(program: Program, evaluation: Evaluation, n: int) -> np.ndarray
     if program.transparent is not None:
         passing = passing_share(program, evaluation)
     if program.holdout is not None:
-        passing = passing + evaluation.vector(program.holdout).mean(axis=1)
+        passing = passing + row_means(evaluation.vector(program.holdout))
     return np.where(passing < _ALL, 1.0 / (1.0 - np.minimum(passing, _ALL)), 1.0)[:, None]
 
 
@@ -82,7 +83,7 @@ def passing_color(program: Program, evaluation: Evaluation) -> np.ndarray:
 
 def share_of(color: np.ndarray) -> np.ndarray:
     """Of a color that goes on, the probability: its mean, so the opacity of a film is Cycles'."""
-    return np.clip(color.mean(axis=1), 0.0, 1.0)
+    return np.clip(row_means(color), 0.0, 1.0)
 
 
 def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
@@ -100,7 +101,7 @@ def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
         some = points.at(which)
         at_rest = points_at_rest(scene.pose, scene.mesh, some)
         evaluation = Evaluation(program, ShadeContext.of_points(scene, at_rest))
-        share = evaluation.vector(program.holdout).mean(axis=1)
+        share = row_means(evaluation.vector(program.holdout))
         if program.transparent is not None:
             share = share / np.maximum(1.0 - passing_share(program, evaluation), 1e-6)
         x, y = (np.ascontiguousarray(some.position[:, axis]) for axis in (0, 1))
@@ -137,7 +138,7 @@ def points_through(
     ended, numbers = [], None if dither is None else np.array(dither, np.float64)
     for _ in range(MOST_LAYERS):
         color, panes = _passing_colors(scene, points, False)
-        passing = np.where(panes & color.any(axis=1), np.float32(1.0), share_of(color))
+        passing = np.where(panes & any_in_row(color), np.float32(1.0), share_of(color))
         number = np.full(len(passing), 0.5) if numbers is None else numbers[points.pixel]
         goes = number < passing
         ended.append(points.at(~goes))
@@ -160,7 +161,7 @@ def points_through(
 
 def opacity_of(tints: np.ndarray) -> np.ndarray:
     """float32 (n,): the opacity of a film where rays with these tints have met nothing."""
-    return np.maximum(np.float32(1.0) - tints.mean(axis=1), np.float32(0.0))
+    return np.maximum(np.float32(1.0) - row_means(tints), np.float32(0.0))
 
 
 def behind(points: ShadingPoints, offset: float) -> tuple[np.ndarray, np.ndarray]:

@@ -15,6 +15,7 @@ from .incremental import PixelSums
 from .lobes import Lobes
 from .pass_sums import PassSums
 from .pyramid import luminance
+from .rows import any_in_row
 from .scene import Scene
 from .shading import ShadingPoints
 
@@ -138,7 +139,7 @@ def develop_points(
 
 
 def _write_background(scene, world, missed, flat) -> None:
-    looks = missed.directions.any(axis=1)
+    looks = any_in_row(missed.directions)
     inside = (missed.place >= 0) & looks
     place = missed.place[inside]
     flat.combined[missed.place[(missed.place >= 0) & ~looks], 3] = 1.0

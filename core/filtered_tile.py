@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from .camera import camera_rays, pixel_grid
-from .cutouts import opacity_of
+from .cutouts import cut_materials, opacity_of
 from .develop import filtered_layers
 from .film import Tile
 from .neighbours import cell_order
@@ -27,6 +27,7 @@ from .pass_rays import (
 )
 from .pass_samples import PassSampler
 from .pass_sums import PassSums, add_background, close_pass, new_pass_sums
+from .rows import any_in_row
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .silhouettes import Silhouettes
 from .tile_job import (
@@ -219,7 +220,7 @@ class FilteredTile:
         missed[points.pixel] = False
         numbers, points = own.number[points.pixel], points._replace(pixel=looked[points.pixel])
         if pilot:
-            self._silhouettes.note(looked[missed], rays.directions[missed].any(axis=1), points)
+            self._silhouettes.note(looked[missed], any_in_row(rays.directions[missed]), points)
             inside = self._cell >= 0
             missed &= inside[looked]
             numbers, points = numbers[inside[points.pixel]], points.at(inside[points.pixel])
@@ -227,7 +228,7 @@ class FilteredTile:
 
     def _dither(self, rays: PassRays) -> np.ndarray | None:
         """What cut-outs draw for them (cutouts.points_through), if there may be any."""
-        if self._job.scene.shaders is None:
+        if cut_materials(self._job.scene) is None:
             return None
         return pass_numbers(self._job.settings, *self._places(rays.pixel), rays.number)
 
@@ -242,7 +243,7 @@ class FilteredTile:
         return pass_rays(scene.camera, settings, columns, rows, rays.number, time)
 
     def _add_world(self, pixels, directions, tints) -> None:
-        scene, looks = self._job.scene, directions.any(axis=1)
+        scene, looks = self._job.scene, any_in_row(directions)
         if not looks.all():
             np.add.at(self._sums.opaque, pixels[~looks], np.float32(1.0))
             pixels, directions, tints = pixels[looks], directions[looks], tints[looks]

@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .rows import rows_of
+
 # Bits of Lobes.kind
 DIFFUSE_LOBE, DIELECTRIC_LOBE, CONDUCTOR_LOBE, MEASURED_LOBE = 1, 2, 4, 8
 # Rows of Lobes.weight and Lobes.f0
@@ -75,5 +77,4 @@ class Lobes(NamedTuple):
 
     def at(self, which) -> Lobes:
         """Those of a slice or of indices."""
-        rows = (column[which] for column in self[:-1])
-        return Lobes(*rows, self.tables)
+        return Lobes(*rows_of(self[:-1], which), self.tables)

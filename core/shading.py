@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .rows import any_in_row, rows_of
 from .scene import MaterialParams, TriangleMesh
 from .terminator import patch_height
 
@@ -37,7 +38,7 @@ class ShadingPoints(NamedTuple):
 
     def at(self, which) -> ShadingPoints:
         """Those of a slice, a mask or indices."""
-        return ShadingPoints(*(np.ascontiguousarray(column[which]) for column in self))
+        return ShadingPoints(*rows_of(self, which))
 
     def from_behind(self, which: np.ndarray) -> ShadingPoints:
         """The same, those of a mask, bool (n,), on the other side of their surface.
@@ -122,11 +123,24 @@ def shading_points(
     _interpolate(mesh.vertices, mesh.triangles, mesh.corner_normals, hit, u, v, directions, points)
     if terminator_offset is not None:
         # A flat face has no patch over it.
-        lifted = points.lift.any(axis=1)
+        lifted = any_in_row(points.lift)
         points.lift_below[:] = lifted * terminator_offset[mesh.object_index[points.triangle]]
     return points
 
 
+@kernel
+def find_within(points, origins, reach, out):
+    """Write whether points are within reach of where their rays began, bool (n,).
+
+    origins: float32 (rays, 3); reach: float32 (rays,), metres
+    """
+    for k in range(len(out)):
+        ray, way = points.pixel[k], np.float32(0.0)
+        for a in range(3):
+            way += (origins[ray, a] - points.position[k, a]) * points.wo[k, a]
+        out[k] = way <= reach[ray]
+
+
 def params_at(materials: MaterialParams, rows: np.ndarray) -> MaterialParams:
     """One row of parameters for each shading point: materials taken at int32 rows (n,)."""
-    return MaterialParams(*(np.ascontiguousarray(column[rows]) for column in materials))
+    return MaterialParams(*rows_of(materials, rows))

@@ -17,6 +17,7 @@ from .lobes import Lobes
 from .nodes import Evaluation, ShadeContext
 from .poses import points_at_rest, posed_normals
 from .program import Program
+from .rows import any_in_row, row_means, rows_of
 from .scene import DIFFUSE, SHEEN, TRANSLUCENT, VELVET_SHEEN, MaterialParams, Scene
 from .shading import ShadingPoints, params_at
 from .sheen import set_sheen
@@ -43,11 +44,14 @@ class _Layer(NamedTuple):
     corrects: bool  # Program.corrects_bumps
 
     def at(self, some) -> _Layer:
-        normal = None if self.normal is None else self.normal[some]
-        params = {name: values[some] for name, values in self.params.items()}
-        grain = None if self.grain is None else self.grain[some]
-        weight, rest = self.weight[some], (self.shadows, self.corrects)
-        return _Layer(self.closure, self.which[some], weight, normal, params, grain, *rest)
+        which, weight, *values = rows_of((self.which, self.weight, *self.params.values()), some)
+        params = dict(zip(self.params, values, strict=True))
+        normal, grain = (
+            None if vectors is None else rows_of((vectors,), some)[0]
+            for vectors in (self.normal, self.grain)
+        )
+        rest = self.shadows, self.corrects
+        return _Layer(self.closure, which, weight, normal, params, grain, *rest)
 
 
 class _Columns:
@@ -79,7 +83,7 @@ class _Columns:
         if layer.grain is not None:
             self._grain[rows] = layer.grain
         if layer.normal is not None:
-            kept = layer.normal.any(axis=1)
+            kept = any_in_row(layer.normal)
             self.normal[rows[kept]] = layer.normal[kept]
             self._turned[rows[kept]] = layer.shadows
 
@@ -160,7 +164,7 @@ def closure_layers(
 
 def _packed(layers: list[_Layer]) -> list[_Layer]:
     """The same; the first one at all points, the others where they weigh anything."""
-    there = (layer.at(layer.weight.any(axis=1)) for layer in layers[1:])
+    there = (layer.at(any_in_row(layer.weight)) for layer in layers[1:])
     return [layers[0], *(layer for layer in there if len(layer.which))]
 
 
@@ -207,6 +211,6 @@ def _heaviest(layers: list[_Layer]) -> tuple[np.ndarray, list[_Layer]]:
     """For each point the layer of the greatest weight, with the weight of all, 1 at the most."""
     if len(layers) == 1:
         return np.zeros(len(layers[0].which), np.int64), layers
-    picked = np.argmax([layer.weight.mean(axis=1) for layer in layers], axis=0)
+    picked = np.argmax([row_means(layer.weight) for layer in layers], axis=0)
     total = np.minimum(sum(layer.weight for layer in layers), 1.0)
     return picked, [layer._replace(weight=total) for layer in layers]

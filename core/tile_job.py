@@ -28,11 +28,12 @@ from .lobes import DIFFUSE_LOBE, Lobes
 from .neighbours import CELL_PX, find_neighbours, long_blocks
 from .paper import PaperSampler
 from .paper_tables import PaperTables
+from .rows import any_in_row
 from .sample_plan import Demand
 from .scene import Camera, Scene
 from .sequence import PixelSequence, pixel_sequence
 from .settings import RenderSettings
-from .shading import ShadingPoints, params_at
+from .shading import ShadingPoints, find_within, params_at
 from .stop_rule import Rule, asks_neighbours
 from .surface import closure_layers, surface_lobes
 from .unbiased_rays import UnbiasedSampler
@@ -149,14 +150,14 @@ def trace_points(job: Job, rays: CameraRays, dither=None, tints=None) -> Shading
     origins, directions, reach = rays
     looks = _that_look(origins, directions)
     points = points_through(job.scene, job.accel, *looks, dither, tints)
-    away = points.position - origins[points.pixel]
-    near_enough = -np.einsum("ij,ij->i", away, points.wo) <= reach[points.pixel]
+    near_enough = np.empty(len(points.pixel), np.bool_)
+    find_within(points, origins, reach, near_enough)
     return points if near_enough.all() else points.at(near_enough)
 
 
 def _that_look(origins, directions):
     """Rays with a direction for each: Embree is not to be asked for one of length 0."""
-    blind = ~directions.any(axis=1)
+    blind = ~any_in_row(directions)
     if not blind.any():
         return origins, directions
     return origins, np.where(blind[:, None], np.float32([0.0, 0.0, 1.0]), directions)

@@ -8,19 +8,9 @@ import numpy as np
 
 from ..panorama_places import space_axes
 from ..program import SurfaceData
+from ..rows import rows_of
 from ..scene import Camera, TriangleMesh
-from .values import column, dot, normalized
-
-
-def _in_plane(mesh, triangle, offset):
-    """Float64 (n, 2), what offsets in the planes of triangles add to barycentric coordinates."""
-    a, b, c = (mesh.vertices[corner].astype(np.float64) for corner in mesh.triangles[triangle].T)
-    b, c = b - a, c - a
-    bb, bc, cc = dot(b, b), dot(b, c), dot(c, c)
-    ob, oc = dot(offset, b), dot(offset, c)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inverse = np.nan_to_num(1.0 / (bb * cc - bc * bc), posinf=0.0)
-    return np.stack([cc * ob - bc * oc, bb * oc - bc * ob], -1) * inverse[:, None]
+from .values import as_vector, dot, normalized
 
 
 def barycentric_of(mesh: TriangleMesh, triangle, position) -> np.ndarray:
@@ -28,8 +18,18 @@ def barycentric_of(mesh: TriangleMesh, triangle, position) -> np.ndarray:
 
     From the place again, so that what traces rays need not carry them along.
     """
-    first = mesh.vertices[mesh.triangles[triangle, 0]].astype(np.float64)
-    return np.clip(_in_plane(mesh, triangle, position - first), 0.0, 1.0).astype(np.float32)
+    places = _places()
+    found = np.empty((len(triangle), 2), np.float32)
+    position = np.ascontiguousarray(position, np.float32)
+    places.barycentric_at(mesh.vertices, mesh.triangles, triangle, position, found)
+    return found
+
+
+def _places():
+    """Kernels: the exporters load without numba."""
+    from .. import element_places
+
+    return element_places
 
 
 class ShadeContext:
@@ -98,7 +98,7 @@ class ShadeContext:
             self.surface,
             self.camera,
             self._material_pass_index,
-            *(a[which] for a in arrays),
+            *rows_of(arrays, which),
             self.shadow,
             distance,
         )
@@ -114,11 +114,12 @@ class ShadeContext:
 
     @cached_property
     def _world_to_object(self):
-        with np.errstate(all="ignore"):
-            matrices = self.surface.object_to_world
-            good = np.abs(np.linalg.det(matrices)) > 0.0
-            inverse = np.linalg.inv(np.where(good[:, None, None], matrices, np.eye(4)))
-        return inverse
+        """float64 (m, 4, 4): of the points' objects; rows of the others are not set."""
+        matrices = self.surface.object_to_world
+        inverses = np.empty_like(matrices)
+        done = np.zeros(len(matrices), np.bool_)
+        _places().invert(matrices, self.object, done, inverses)
+        return inverses
 
     @cached_property
     def backfacing(self) -> np.ndarray:
@@ -130,46 +131,46 @@ class ShadeContext:
     @cached_property
     def object_position(self) -> np.ndarray:
         """float32 (n, 3), in the object's own space."""
-        matrix = self._world_to_object[self.object]
-        moved = np.einsum("nij,nj->ni", matrix[:, :3, :3], self.position) + matrix[:, :3, 3]
-        return moved.astype(np.float32)
+        moved = np.empty((len(self), 3), np.float32)
+        position = np.ascontiguousarray(self.position, np.float32)
+        _places().place(self._world_to_object, self.object, position, moved)
+        return moved
 
     @cached_property
     def object_normal(self) -> np.ndarray:
         """float32 (n, 3): of the mesh's front, in the object's own space; between the corners it is
         shorter than 1, as what Cycles gives to normal maps."""
-        u, v = (column(a) for a in self.barycentric.T)
-        a, b, c = np.moveaxis(self.mesh.corner_normals[self.triangle], 1, 0)
-        a, b, c = (self.normal_to_object(corner) for corner in (a, b, c))
-        return (1.0 - u - v) * a + u * b + v * c
+        normal = np.empty((len(self), 3), np.float32)
+        corners = self.mesh.corner_normals, self.triangle, self.barycentric
+        matrices = self.surface.object_to_world, self.object
+        _places().corner_normals_at(*corners, *matrices, normal)
+        return normal
 
     def normal_to_object(self, vectors) -> np.ndarray:
         """World normals in the object's space, unit."""
-        matrix = self.surface.object_to_world[self.object][:, :3, :3]
-        return normalized(np.einsum("nji,nj->ni", matrix, vectors).astype(np.float32))
+        return self._turned(self.surface.object_to_world, vectors, True, True)
 
     def normal_to_world(self, vectors) -> np.ndarray:
         """Object normals in world space, unit."""
-        matrix = self._world_to_object[self.object][:, :3, :3]
-        return normalized(np.einsum("nji,nj->ni", matrix, vectors).astype(np.float32))
+        return self._turned(self._world_to_object, vectors, True, True)
 
     def vector_to_world(self, vectors) -> np.ndarray:
-        matrix = self.surface.object_to_world[self.object][:, :3, :3]
-        return np.einsum("nij,nj->ni", matrix, vectors).astype(np.float32)
+        return self._turned(self.surface.object_to_world, vectors, False, False)
+
+    def _turned(self, matrices, vectors, transposed, unit) -> np.ndarray:
+        vectors, turned = as_vector(vectors, len(self)), np.empty((len(self), 3), np.float32)
+        _places().turn(matrices, self.object, vectors, transposed, unit, turned)
+        return turned
 
     def attribute(self, name: str) -> np.ndarray | None:
         """Corner values interpolated, float32 (n, width); zeros where a mesh has none of them."""
         table = self.surface.tables.get(name)
         if table is None:
             return None
-        row = self.surface.row[self.triangle]
-        u, v = self.barycentric[:, 0], self.barycentric[:, 1]
+        value = np.empty((len(self), table.shape[2]), np.float32)
         flipped = self.surface.mirrored[self.object]
-        u, v = np.where(flipped, v, u), np.where(flipped, u, v)
-        corners = table[row]
-        first = corners[:, 0]  # by differences: what is equal at all three corners stays as it is
-        value = first + u[:, None] * (corners[:, 1] - first) + v[:, None] * (corners[:, 2] - first)
-        value[row < 0] = 0.0
+        own = self.surface.row, self.triangle, flipped, self.barycentric
+        _places().interpolate(table, *own, value)
         return value
 
     def uv(self, name: str = "") -> np.ndarray:
@@ -230,8 +231,9 @@ class ShadeContext:
 
     def moved(self, offset) -> ShadeContext:
         """The same points moved in the planes of their faces. offset: float32 (n, 3)"""
-        moved = _in_plane(self.mesh, self.triangle, offset)
-        other = self.take(slice(None))
+        other, mesh = self.take(slice(None)), self.mesh
         other.position = self.position + offset
-        other.barycentric = (self.barycentric + moved).astype(np.float32)
+        other.barycentric = other.barycentric.copy()
+        own = mesh.vertices, mesh.triangles, self.triangle
+        _places().move_barycentric(*own, as_vector(offset, len(self)), other.barycentric)
         return other

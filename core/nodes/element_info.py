@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..rows import any_in_row
 from .values import column, dot, length, normalized
 
 _OF_ONE_AXIS = np.float32(3.0**-0.5)
@@ -28,7 +29,7 @@ def _tangent_normal(context):
         return np.zeros((len(context), 3), np.float32)
     tangent = normalized(context.vector_to_world(tangent))
     normal = normalized(context.wo - tangent * column(dot(tangent, context.wo)))
-    return np.where(tangent.any(axis=1)[:, None], normal, np.float32(0.0))
+    return np.where(any_in_row(tangent)[:, None], normal, np.float32(0.0))
 
 
 def _point_position(context):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..program import Program, Ref, Value
+from ..rows import row_maxima
 from . import (
     arithmetic,
     color,
@@ -124,7 +125,7 @@ class _Ops:
 
 def _least_step(context):
     """Metres: below, float32 positions do not tell the steps apart."""
-    return np.float32(2e-5) * np.abs(context.position).max(axis=1).clip(1e-3)
+    return np.float32(2e-5) * row_maxima(np.abs(context.position)).clip(1e-3)
 
 
 def _finite(value):

@@ -15,52 +15,16 @@ def srgb_decode(encoded):
     return np.where(encoded < 0.04045, np.maximum(encoded, 0.0) / 12.92, curve).astype(np.float32)
 
 
-def _texel(image, x, y, extension):
-    """Texels (n, 4) at integer places, by the rule for those outside."""
-    height, width, _ = image.shape
-    if extension == "REPEAT":
-        return image[y % height, x % width]
-    if extension == "MIRROR":
-        x, y = x % (2 * width), y % (2 * height)
-        return image[np.minimum(y, 2 * height - 1 - y), np.minimum(x, 2 * width - 1 - x)]
-    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    value = image[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)]
-    return value if extension == "EXTEND" else np.where(inside[..., None], value, np.float32(0.0))
-
-
-def _cubic_weights(t):
-    """Those of the four texels about a place, by the uniform cubic B-spline."""
-    return (
-        t * (t * (t * (-1.0 / 6.0) + 0.5) - 0.5) + 1.0 / 6.0,
-        t * t * (t * 0.5 - 1.0) + 2.0 / 3.0,
-        t * (t * (t * -0.5 + 0.5) + 0.5) + 1.0 / 6.0,
-        t * t * t * (1.0 / 6.0),
-    )
-
-
 def _looked_up(image, u, v, interpolation, extension):
-    height, width, _ = image.shape
-    big = np.float64(1e8)  # beyond, a float has no place inside a texel
-    x = np.clip(np.nan_to_num(u.astype(np.float64)) * width, -big, big)
-    y = np.clip(np.nan_to_num(v.astype(np.float64)) * height, -big, big)
-    if interpolation == "Closest":
-        texel = _texel(image, np.floor(x).astype(np.int64), np.floor(y).astype(np.int64), extension)
-        scale = np.float32(1.0 / 255.0 if image.dtype == np.uint8 else 1.0)
-        return texel.astype(np.float32) * scale
-    x, y = x - 0.5, y - 0.5
-    column0, row0 = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
-    tx, ty = (x - column0).astype(np.float32), (y - row0).astype(np.float32)
-    first, wx, wy = 0, (1.0 - tx, tx), (1.0 - ty, ty)
-    if interpolation in ("Cubic", "Smart"):
-        first, wx, wy = -1, _cubic_weights(tx), _cubic_weights(ty)
-    total = np.zeros((len(tx), 4), np.float32)
-    for j, weight_y in enumerate(wy):
-        for i, weight_x in enumerate(wx):
-            texel = _texel(image, column0 + (first + i), row0 + (first + j), extension)
-            total += texel * (weight_x * weight_y)[:, None]
-    if image.dtype == np.uint8:
-        total *= np.float32(1.0 / 255.0)
-    return total
+    """RGBA float32 (n, 4). image: float32 or uint8 (h, w, 4)"""
+    from ..texels import EXTENSIONS, INTERPOLATIONS, look_up  # kernels
+
+    value = np.empty((len(u), 4), np.float32)
+    scale = np.float32(1.0 / 255.0 if image.dtype == np.uint8 else 1.0)
+    rule = INTERPOLATIONS[interpolation], EXTENSIONS[extension], scale
+    u, v = (np.ascontiguousarray(a, np.float32) for a in (u, v))
+    look_up(np.ascontiguousarray(image), u, v, *rule, value)
+    return value
 
 
 def _sample(settings, u, v):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..rows import row_maxima
 from ..scene import GGX, PRINCIPLED, MaterialParams
 from .values import as_number, as_vector, column, dot, normalized
 
@@ -30,7 +31,7 @@ def _albedo(context, ior, roughness, normal, wo=None) -> np.ndarray:
     )
     wo = context.wo if wo is None else wo
     lobes = setup_lobes(coat, normal, context.geometric_normal, wo)
-    return lobes.glossy_color.max(axis=1)
+    return row_maxima(lobes.glossy_color)
 
 
 def under_coat(context, settings, inputs):
@@ -63,7 +64,7 @@ def under_sheen(context, settings, inputs):
         np.maximum(as_number(inputs["Sheen"], n), 0.0)
         * microfiber(dot(context.wo, normal), roughness)[2]
     )
-    taken = np.maximum(as_vector(inputs["Tint"], n), 0.0).max(axis=1) * share
+    taken = row_maxima(np.maximum(as_vector(inputs["Tint"], n), 0.0)) * share
     return {"": as_vector(inputs["Weight"], n) * column(np.clip(1.0 - taken, 0.0, 1.0))}
 
 

@@ -2,61 +2,25 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
-from .hashing import hash_numbers, hash_words
+from .hashing import hash_numbers
 from .values import as_number, as_vector, clipped, mixed, parts
 
-_SCALE = {1: 0.25, 2: 0.6616, 3: 0.9820, 4: 0.8344}
-
-
-def _fade(t):
-    return t * t * t * (t * (t * np.float32(6.0) - np.float32(15.0)) + np.float32(10.0))
-
-
-def _signed(value, negative):
-    return np.where(negative != 0, -value, value)
-
-
-def _gradient(h, p):
-    """The gradient that a hash chooses, times the way from its corner. p: d arrays"""
-    if len(p) == 1:
-        h = h & 15
-        return _signed((1 + (h & 7)).astype(np.float32), h & 8) * p[0]
-    if len(p) == 2:
-        h, (x, y) = h & 7, p
-        u, v = np.where(h < 4, x, y), np.float32(2.0) * np.where(h < 4, y, x)
-        return _signed(u, h & 1) + _signed(v, h & 2)
-    if len(p) == 3:
-        h, (x, y, z) = h & 15, p
-        u = np.where(h < 8, x, y)
-        v = np.where(h < 4, y, np.where((h == 12) | (h == 14), x, z))
-        return _signed(u, h & 1) + _signed(v, h & 2)
-    h, (x, y, z, w) = h & 31, p
-    u, v, s = np.where(h < 24, x, y), np.where(h < 16, y, z), np.where(h < 8, z, w)
-    return _signed(u, h & 1) + _signed(v, h & 2) + _signed(s, h & 4)
+_FAR = np.float32(1e5)  # beyond, Blender's noise repeats itself
 
 
 def perlin(p) -> np.ndarray:
     """Signed noise, float32 (n,), of p, float32 (d, n)."""
-    d = len(p)
-    far = np.float32(0.5) * (np.abs(p) >= 1000000.0)
-    p = np.fmod(p, np.float32(100000.0)) + far
-    cell = np.floor(p)
-    fraction = (p - cell).astype(np.float32)
-    cell = cell.astype(np.int64).astype(np.uint32)
-    fade = _fade(fraction)
-    total = np.zeros(p.shape[1], np.float32)
-    for corner in itertools.product((0, 1), repeat=d):
-        words = [cell[k] + np.uint32(corner[k]) for k in range(d)]
-        ways = [fraction[k] - np.float32(corner[k]) for k in range(d)]
-        weight = np.float32(1.0)
-        for k in range(d):
-            weight = weight * (fade[k] if corner[k] else np.float32(1.0) - fade[k])
-        total += weight * _gradient(hash_words(*words), ways)
-    return total * np.float32(_SCALE[d])
+    from ..perlin import PERLIN, all_within  # kernels: the exporters load without numba
+
+    p = np.ascontiguousarray(p, np.float32)
+    if not all_within(p, _FAR):
+        p = np.nan_to_num(p, posinf=0.0, neginf=0.0)
+        p = np.fmod(p, _FAR) + np.float32(0.5) * (np.abs(p) >= 1000000.0)
+    value = np.empty(p.shape[1], np.float32)
+    PERLIN[len(p) - 1](p, value)
+    return value
 
 
 class _Fractal:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..rows import any_in_row
 from .values import as_number, as_vector, column, dot, length, normalized, parts
 
 
@@ -26,7 +27,7 @@ def normal_map(context, settings, inputs):
         across = column(np.sign(table[:, 3])) * np.cross(own, tangent)
         x, y, z = (column(a) for a in parts(color))
         turned = context.normal_to_world(x * tangent + y * across + z * own)
-        turned = np.where((tangent == 0.0).all(-1, keepdims=True), front, turned)
+        turned = np.where(any_in_row(tangent)[:, None], turned, front)
     else:
         if settings["space"].startswith("BLENDER"):
             color = color * np.float32([1.0, -1.0, -1.0])
@@ -39,7 +40,7 @@ def normal_map(context, settings, inputs):
 
 
 def _or(normal, otherwise):
-    return np.where((normal == 0.0).all(-1, keepdims=True), otherwise, normal)
+    return np.where(any_in_row(normal)[:, None], normal, otherwise)
 
 
 def bump(context, settings, inputs):

@@ -26,7 +26,7 @@ def parts(value) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def dot(a, b) -> np.ndarray:
-    return (a * b).sum(-1)
+    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
 
 
 def length(a) -> np.ndarray:
@@ -35,8 +35,8 @@ def length(a) -> np.ndarray:
 
 def normalized(a) -> np.ndarray:
     """Unit vectors; zero stays zero."""
-    size = length(a)[..., None]
-    return np.divide(a, size, out=np.zeros_like(a), where=size > 0.0)
+    size = length(a)
+    return a * np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)[..., None]
 
 
 def divided(a, b) -> np.ndarray:
@@ -61,7 +61,7 @@ def convert(value, source: str, target: str) -> np.ndarray:
         return np.repeat(np.asarray(value, np.float32)[..., None], 3, -1)
     if source == "COLOR":
         return value @ LUMINANCE
-    return value.mean(-1, dtype=np.float32)
+    return (value[..., 0] + value[..., 1] + value[..., 2]) * np.float32(1.0 / 3.0)
 
 
 def as_number(value, n: int) -> np.ndarray:
