@@ -16,7 +16,7 @@ _SIX, _TEN, _FIFTEEN = np.float32(6.0), np.float32(10.0), np.float32(15.0)
 _SCALE_1, _SCALE_2 = np.float32(0.25), np.float32(0.6616)
 _SCALE_3, _SCALE_4 = np.float32(0.9820), np.float32(0.8344)
 _START = 0xDEADBEEF + 13  # of Jenkins' lookup3, and 4 for each word
-_START_1, _START_2 = np.uint32(_START + 4), np.uint32(_START + 8)
+START_1, START_2 = np.uint32(_START + 4), np.uint32(_START + 8)
 _START_3, _START_4 = np.uint32(_START + 12), np.uint32(_START + 16)
 
 
@@ -27,7 +27,8 @@ def _turned(x, k):
 
 
 @kernel(forceinline=True)
-def _final(a, b, c):
+def hash_final(a, b, c):
+    """The last step of Jenkins' lookup3, of three words: uint32."""
     u = np.uint32
     c = u(u(c ^ b) - _turned(b, 14))
     a = u(u(a ^ c) - _turned(c, 11))
@@ -80,14 +81,14 @@ def _cell(x):
 @kernel(forceinline=True)
 def _corner_1(i, x):
     u = np.uint32
-    h = _final(u(_START_1 + i), _START_1, _START_1)
+    h = hash_final(u(START_1 + i), START_1, START_1)
     return _signed(_ONE + np.float32(np.int32(h & u(7))), h & u(8)) * x
 
 
 @kernel(forceinline=True)
 def _corner_2(i, j, x, y):
     u = np.uint32
-    h = _final(u(_START_2 + i), u(_START_2 + j), _START_2)
+    h = hash_final(u(START_2 + i), u(START_2 + j), START_2)
     near = (h & u(7)) < u(4)
     return _signed(x if near else y, h & u(1)) + _signed(_TWO * (y if near else x), h & u(2))
 
@@ -95,7 +96,7 @@ def _corner_2(i, j, x, y):
 @kernel(forceinline=True)
 def _corner_3(i, j, k, x, y, z):
     u = np.uint32
-    h = u(_final(u(_START_3 + i), u(_START_3 + j), u(_START_3 + k)) & u(15))
+    h = u(hash_final(u(_START_3 + i), u(_START_3 + j), u(_START_3 + k)) & u(15))
     a = x if h < u(8) else y
     other = x if (h == u(12)) | (h == u(14)) else z
     b = y if h < u(4) else other
@@ -106,7 +107,7 @@ def _corner_3(i, j, k, x, y, z):
 def _corner_4(i, j, k, m, x, y, z, w):
     u = np.uint32
     a, b, c = _mixed(u(_START_4 + i), u(_START_4 + j), u(_START_4 + k))
-    h = u(_final(u(a + m), b, c) & u(31))
+    h = u(hash_final(u(a + m), b, c) & u(31))
     p = x if h < u(24) else y
     q = y if h < u(16) else z
     r = z if h < u(8) else w

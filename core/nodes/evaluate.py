@@ -97,7 +97,10 @@ class Evaluation:
             return value
         if value.op not in self._done:
             self._done[value.op] = self._run(self._ops[value.op])
-        return self._done[value.op][value.output]
+        outputs = self._done[value.op]
+        if callable(outputs[value.output]):  # dear, and not always asked for
+            outputs[value.output] = outputs[value.output]()
+        return outputs[value.output]
 
     def _run(self, op):
         settings = op.settings

@@ -28,27 +28,31 @@ def _looked_up(image, u, v, interpolation, extension):
 
 
 def _sample(settings, u, v):
-    """RGBA float32 (n, 4) of the image at (u, v), both (n,)."""
+    """RGBA float32 (n, 4) of the image at (u, v), both (n,), as it is kept."""
     image = settings["image"]
     if image is None:
         return np.broadcast_to(_MISSING, (len(u), 4))
     rule = settings["interpolation"], settings["extension"]
     if len(image.tiles) == 1 and (0, 0) in image.tiles and not settings["tiled"]:
-        value = _looked_up(image.tiles[0, 0], u, v, *rule)
-    else:
-        value = np.tile(_MISSING, (len(u), 1))
-        tile_x, tile_y = np.trunc(u).astype(np.int64), np.trunc(v).astype(np.int64)
-        for (i, j), texels in image.tiles.items():
-            here = (tile_x == i) & (tile_y == j)
-            if here.any():
-                value[here] = _looked_up(texels, u[here] - i, v[here] - j, *rule)
-    alpha = value[:, 3:]
-    if settings["unassociate"]:
-        divisor = np.where((alpha != 0.0) & (alpha != 1.0), alpha, 1.0)
-        value = np.concatenate([value[:, :3] / divisor, alpha], -1)
-    if image.encoded:
-        value = np.concatenate([srgb_decode(value[:, :3]), alpha], -1)
+        return _looked_up(image.tiles[0, 0], u, v, *rule)
+    value = np.tile(_MISSING, (len(u), 1))
+    tile_x, tile_y = np.trunc(u).astype(np.int64), np.trunc(v).astype(np.int64)
+    for (i, j), texels in image.tiles.items():
+        here = (tile_x == i) & (tile_y == j)
+        if here.any():
+            value[here] = _looked_up(texels, u[here] - i, v[here] - j, *rule)
     return value
+
+
+def _color(settings, value):
+    """float32 (n, 3): the color of RGBA as it is kept."""
+    color, image = value[:, :3], settings["image"]
+    if image is None:
+        return color
+    if settings["unassociate"]:
+        alpha = value[:, 3:]
+        color = color / np.where((alpha != 0.0) & (alpha != 1.0), alpha, 1.0)
+    return srgb_decode(color) if image.encoded else color
 
 
 def _to_sphere(x, y, z):
@@ -108,12 +112,14 @@ def _boxed(context, settings, co):
         (np.where(normal[:, 1] > 0.0, 1.0 - x, x), z),
         (np.where(normal[:, 2] > 0.0, 1.0 - y, y), x),
     )
-    total = np.zeros((len(context), 4), np.float32)
+    color, alpha = np.zeros((len(context), 3), np.float32), np.zeros(len(context), np.float32)
     for axis, (u, v) in enumerate(places):
-        some = weights[:, axis] > 0.0
-        if some.any():
-            total[some] += weights[some, axis, None] * _sample(settings, u[some], v[some])
-    return total
+        some = np.flatnonzero(weights[:, axis] > 0.0)
+        if len(some):
+            value, weight = _sample(settings, u[some], v[some]), weights[some, axis]
+            color[some] += weight[:, None] * _color(settings, value)
+            alpha[some] += weight * value[:, 3]
+    return {"Color": color, "Alpha": alpha}
 
 
 def image_texture(context, settings, inputs):
@@ -124,14 +130,13 @@ def image_texture(context, settings, inputs):
     co = context.uv() if co is None else co
     kind = settings["projection"]
     if kind == "BOX":
-        value = _boxed(context, settings, co)
-    else:
-        x, y, z = (np.broadcast_to(a, (n,)) for a in parts(co))
-        if kind in ("SPHERE", "TUBE"):
-            to_plane = _to_sphere if kind == "SPHERE" else _to_tube
-            x, y = to_plane(x * 2.0 - 1.0, y * 2.0 - 1.0, z * 2.0 - 1.0)
-        value = _sample(settings, x, y)
-    return {"Color": value[:, :3], "Alpha": value[:, 3]}
+        return _boxed(context, settings, co)
+    x, y, z = (np.broadcast_to(a, (n,)) for a in parts(co))
+    if kind in ("SPHERE", "TUBE"):
+        to_plane = _to_sphere if kind == "SPHERE" else _to_tube
+        x, y = to_plane(x * 2.0 - 1.0, y * 2.0 - 1.0, z * 2.0 - 1.0)
+    value = _sample(settings, x, y)
+    return {"Color": lambda: _color(settings, value), "Alpha": value[:, 3]}
 
 
 def environment_texture(context, settings, inputs):
@@ -143,8 +148,7 @@ def environment_texture(context, settings, inputs):
     size = np.where(size > 0.0, size, 1.0)
     u = 0.5 - np.arctan2(y, x) / np.float32(2.0 * np.pi)
     v = np.arcsin(np.clip(z / size, -1.0, 1.0)) / np.float32(np.pi) + 0.5
-    value = _sample(settings, u, v)
-    return {"Color": value[:, :3]}
+    return {"Color": _color(settings, _sample(settings, u, v))}
 
 
 FUNCTIONS = {

@@ -2,22 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
-from .hashing import hash_cell, hash_flat_cell, hash_numbers
 from .noise import noise_place
 from .values import as_number, divided, mixed
-
-
-def _point(cell, randomness):
-    """The point of a cell, from its corner: float32 (d, n)."""
-    if len(cell) == 1:
-        return hash_numbers(cell[0])[None] * randomness
-    if len(cell) == 2:
-        return hash_flat_cell(cell) * randomness
-    return hash_cell(cell)[: len(cell)] * randomness
 
 
 def _distance(way, metric, exponent):
@@ -31,102 +19,69 @@ def _distance(way, metric, exponent):
     return np.power(np.power(a, exponent).sum(0), 1.0 / exponent)
 
 
-def _offsets(d, reach):
-    """Neighbours of a cell; x runs fastest, as in Cycles: ties go to the first."""
-    for offset in itertools.product(range(-reach, reach + 1), repeat=d):
-        yield np.float32(offset[::-1])[:, None]
+def _kernels():
+    """The exporters load without numba."""
+    from .. import voronoi_cells
+
+    return voronoi_cells
 
 
 class _Cells:
-    """One octave's look-ups. randomness, exponent, smoothness: float32 (n,)"""
+    """One octave's look-ups, of p, float32 (d, n); numbers of the points are float32 (n,)."""
 
     def __init__(self, metric, randomness, exponent, smoothness):
         self.metric, self.randomness = metric, randomness
         self.exponent, self.smoothness = exponent, smoothness
 
-    def _points(self, p, reach):
-        cell = np.floor(p)
-        local = p - cell
-        for offset in _offsets(len(p), reach):
-            point = offset + _point(cell + offset, self.randomness)
-            yield cell, local, offset, point
-
     def nearest(self, p, second=False):
         """(distance, colour, position) of the nearest point, or of the second nearest."""
-        n, d = p.shape[1], len(p)
-        best = [np.full(n, np.finfo(np.float32).max, np.float32) for _ in range(2)]
-        offsets = [np.zeros((d, n), np.float32) for _ in range(2)]
-        points = [np.zeros((d, n), np.float32) for _ in range(2)]
-        cell = np.floor(p)
-        for _, local, offset, point in self._points(p, 1):
-            distance = _distance(point - local, self.metric, self.exponent)
-            first = distance < best[0]
-            next_ = ~first & (distance < best[1])
-            for old, new in ((offsets, offset), (points, point)):
-                old[1] = np.where(first, old[0], np.where(next_, new, old[1]))
-                old[0] = np.where(first, new, old[0])
-            best[1] = np.where(first, best[0], np.where(next_, distance, best[1]))
-            best[0] = np.where(first, distance, best[0])
+        own, look, (color, position) = _taken(p), self._look(p), _room(p)
+        distances, ranks = _rows(2, p), _rows(2, p, np.int32)
+        _kernels().find_nearest(own, look, distances, ranks)
         k = int(second)
-        return best[k], _color(cell + offsets[k]), points[k] + cell
+        _kernels().fill_points(own, look, ranks[k], color, position)
+        return distances[k], np.stack(color, -1), np.stack(position[: len(p)])
 
     def smooth(self, p):
-        distance = h = None
-        total = np.zeros(p.shape[1], np.float32)
-        color = np.zeros((p.shape[1], 3), np.float32)
-        position = np.zeros_like(p)
-        for cell, local, offset, point in self._points(p, 2):
-            distance = _distance(point - local, self.metric, self.exponent)
-            if h is None:
-                h = np.ones_like(total)
-            else:
-                h = np.clip(0.5 + 0.5 * (total - distance) / self.smoothness, 0.0, 1.0)
-                h = h * h * (3.0 - 2.0 * h)
-            correction = self.smoothness * h * (1.0 - h)
-            total = mixed(total, distance, h) - correction
-            correction = correction / (1.0 + 3.0 * self.smoothness)
-            new = _color(cell + offset)
-            color = mixed(color, new, h[:, None]) - correction[:, None]
-            position = mixed(position, point, h) - correction
-        return total, color, cell + position
+        (color, position), (distance,) = _room(p), _rows(1, p)
+        _kernels().smooth_points(_taken(p), self._look(p), distance, color, position)
+        return distance, np.stack(color, -1), np.stack(position[: len(p)])
 
     def edge(self, p):
         """Distance to the nearest border between two cells."""
-        if len(p) == 1:
-            cell = np.floor(p)
-            local = (p - cell)[0]
-            middle, left, right = (
-                k + hash_numbers((cell + np.float32(k))[0]) * self.randomness
-                for k in (0.0, -1.0, 1.0)
-            )
-            to_left, to_right = (np.abs((middle + x) / 2.0 - local) for x in (left, right))
-            return np.minimum(to_left, to_right)
-        ways = np.stack([point - local for _, local, _, point in self._points(p, 1)])
-        squared = (ways * ways).sum(1)
-        nearest = np.take_along_axis(ways, squared.argmin(0)[None, None], 0)[0]
-        across = ways - nearest
-        size = (across * across).sum(1)
-        unit = across / np.sqrt(np.maximum(size, 1e-20))[:, None]
-        distance = ((nearest + ways) / 2.0 * unit).sum(1)
-        return np.where(size > 0.0001, distance, np.finfo(np.float32).max).min(0)
+        (distance,) = _rows(1, p)
+        _kernels().border_distances(_taken(p), self.randomness, _rows(5, p), distance)
+        return distance
 
     def radius(self, p):
         """Half the way from the nearest point to the point nearest to that."""
         plain = _Cells("EUCLIDEAN", self.randomness, self.exponent, self.smoothness)
         _, _, point = plain.nearest(p)
-        cell = np.floor(point)
-        exact = np.full(p.shape[1], np.finfo(np.float32).max, np.float32)
-        for offset in _offsets(len(p), 1):
-            if not offset.any():
-                continue
-            other = cell + offset + _point(cell + offset, self.randomness)
-            way = other - point
-            exact = np.minimum(exact, np.sqrt((way * way).sum(0)))
-        return exact / 2.0
+        (radius,) = _rows(1, p)
+        _kernels().point_radii(_taken(point), self.randomness, radius)
+        return radius
+
+    def _look(self, p):
+        kernels = _kernels()
+        metric = kernels.METRICS[self.metric if len(p) > 1 else "EUCLIDEAN"]
+        numbers = self.randomness, self.exponent, self.smoothness
+        return kernels.Look(metric, *numbers, *_rows(1, p))
 
 
-def _color(cell):
-    return hash_cell(cell)[:3].T
+def _taken(p) -> tuple[np.ndarray, ...]:
+    """As kernels take it."""
+    p = np.nan_to_num(np.asarray(p, np.float32), posinf=0.0, neginf=0.0)
+    return tuple(np.ascontiguousarray(row) for row in p)
+
+
+def _room(p):
+    """For colours and places."""
+    return _rows(3, p), _rows(4, p)
+
+
+def _rows(count, p, dtype=np.float32) -> tuple[np.ndarray, ...]:
+    """Room for a number of each point, ``count`` times."""
+    return tuple(np.empty((count, p.shape[1]), dtype))
 
 
 def _largest(cells, d, second):
