@@ -32,6 +32,9 @@ from .sheen import add_sheen
 _MAX_FIRST = 24
 # A cell is cut if its spread (lobe_cells.py) is more than this part of the product.
 _CUT = 0.015
+# A lobe of which the product keeps less than this has no cells cut: nearly all samples follow the
+# lobe itself, and blocks are most of what such a point costs.
+_LEAST_KEPT = np.float32(0.3)
 # Seen flatter than this (cosine), lobes crowd into few cells of the base: up to this part of the
 # samples follows the lobe itself, or a rare one is 70 times too bright.
 _FLAT, _MOST_FLAT = np.float32(0.2), np.float32(0.4)
@@ -255,7 +258,7 @@ def build_product(lobes, p, turned, cells, averages, levels, products, scratch):
     total = np.float32(0.0)
     for r in range(BASE_CELLS):
         total += leaves[r]
-    if total > np.float32(0.0):
+    if total > np.float32(0.0) and gloss.kept >= _LEAST_KEPT:
         products.blocks[p] = _cut_steep_cells(
             lambert, gloss, cells, averages, levels, total, tree, products.links[p], scratch
         )

@@ -24,6 +24,7 @@ MATERIALS = {
     "sharp": glossy(0.01),
     "mirror": glossy(0.0001),
     "coat": principled(roughness=0.05),
+    "varnish": principled(roughness=0.1),
     "plastic": principled(roughness=0.3),
     "metal": principled(metallic=1.0, roughness=0.7, base_color=(0.9, 0.6, 0.2)),
 }
@@ -130,16 +131,18 @@ def test_cells_follow_light_times_brdf(material, lights):
 
 
 def test_steep_cells_are_cut(lights):
-    """The narrower the lobe, the more blocks; none for a Lambert lobe, and never too many."""
+    """The narrower the lobe, the more blocks, and never too many; none for a Lambert lobe, and none
+    where samples follow the lobe itself."""
     blocks = {
         name: int(_product(lights, "hdri", name).products.blocks[0])
-        for name in ("diffuse", "rough", "shiny", "sharp", "mirror")
+        for name in ("diffuse", "rough", "shiny", "sharp", "mirror", "coat")
     }
     assert blocks["diffuse"] == 0 and blocks["rough"] < blocks["shiny"] < blocks["sharp"]
+    assert blocks["mirror"] == blocks["coat"] == 0
     assert max(blocks.values()) <= MAX_BLOCKS
 
 
-@pytest.mark.parametrize("material", ["shiny", "sharp", "coat"])
+@pytest.mark.parametrize("material", ["shiny", "sharp", "varnish"])
 def test_blocks_add_up_to_the_cells_they_cut(material, lights):
     """The sum of all is that of the base's cells, and each cut cell that of its block's."""
     products = _product(lights, "hdri", material).products
