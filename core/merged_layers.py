@@ -2,13 +2,63 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from ._jit import kernel
 from .incremental import PixelSums, new_sums
 from .tile_job import ClosureLayer, SeenPoints
 
-_LIGHT = ("diffuse", "glossy", "unoccluded")
-_COLORS = ("diffuse", "glossy_color")
+
+class _Merged(NamedTuple):
+    """Of n points; mean, variance, wrong: float64 (n,), of the light, its square's error, and what
+    the errors are of it, squared; diffuse, glossy_color: float32 (n, 3)."""
+
+    sums: PixelSums
+    mean: np.ndarray
+    variance: np.ndarray
+    wrong: np.ndarray
+    diffuse: np.ndarray
+    glossy_color: np.ndarray
+
+
+@kernel
+def _add_layer(of, lobes, own, merged):
+    """Add the means of a closure's sums. of: int64 (m,), rows of its points"""
+    whole = merged.sums
+    for k in range(len(of)):
+        p, count = of[k], max(own.count[k], 1)
+        inverse = 1.0 / count
+        for a in range(3):
+            whole.diffuse[p, a] += own.diffuse[k, a] * inverse
+            whole.glossy[p, a] += own.glossy[k, a] * inverse
+            whole.unoccluded[p, a] += own.unoccluded[k, a] * inverse
+            merged.diffuse[p, a] += lobes.diffuse[k, a]
+            merged.glossy_color[p, a] += lobes.glossy_color[k, a]
+        whole.count[p] += own.count[k]
+        whole.visible[p] += own.visible[k]
+        light = own.seen[k] * inverse
+        spread = max(own.seen_squared[k] - own.seen[k] * light, 0.0)
+        merged.mean[p] += light
+        merged.variance[p] += spread * inverse / max(count - 1, 1)
+        error = own.error[k] * light if np.isfinite(own.error[k]) else 0.0
+        merged.wrong[p] += error * error
+
+
+@kernel
+def _close(merged):
+    """Make sums of all samples of the means."""
+    whole = merged.sums
+    for p in range(len(whole.count)):
+        count, mean = max(whole.count[p], 1), merged.mean[p]
+        for a in range(3):
+            whole.diffuse[p, a] *= count
+            whole.glossy[p, a] *= count
+            whole.unoccluded[p, a] *= count
+        whole.seen[p] = mean * count
+        whole.seen_squared[p] = (merged.variance[p] * (count - 1) + mean * mean) * count
+        whole.error[p] = np.sqrt(merged.wrong[p]) / mean if mean > 0.0 else 0.0
 
 
 def merge_layers(layers: list[ClosureLayer], sums: list[PixelSums]) -> tuple[SeenPoints, PixelSums]:
@@ -22,25 +72,11 @@ def merge_layers(layers: list[ClosureLayer], sums: list[PixelSums]) -> tuple[See
     if len(layers) == 1:
         return first, sums[0]
     n = len(first.rows)
-    whole, mean, variance, wrong = new_sums(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    colors = {name: np.zeros((n, 3), np.float32) for name in _COLORS}
+    numbers = (np.zeros(n) for _ in range(3))
+    colors = (np.zeros((n, 3), np.float32) for _ in range(2))
+    merged = _Merged(new_sums(n), *numbers, *colors)
     for (seen, of), own in zip(layers, sums, strict=True):
-        count = np.maximum(own.count, 1)
-        for name in _LIGHT:
-            getattr(whole, name)[of] += getattr(own, name) / count[:, None]
-        for name in _COLORS:
-            colors[name][of] += getattr(seen.lobes, name)
-        whole.count[of] += own.count
-        whole.visible[of] += own.visible
-        light = own.seen / count
-        spread = np.maximum(own.seen_squared - own.seen * light, 0.0)
-        mean[of] += light
-        variance[of] += spread / (count * np.maximum(count - 1, 1))
-        wrong[of] += (np.where(np.isfinite(own.error), own.error, 0.0) * light) ** 2
-    count = np.maximum(whole.count, 1)
-    for name in _LIGHT:
-        getattr(whole, name)[:] *= count[:, None]
-    whole.seen[:] = mean * count
-    whole.seen_squared[:] = (variance * (count - 1) + mean**2) * count
-    whole.error[:] = np.divide(np.sqrt(wrong), mean, out=np.zeros(n), where=mean > 0.0)
-    return first._replace(lobes=first.lobes._replace(**colors)), whole
+        _add_layer(of, seen.lobes, own, merged)
+    _close(merged)
+    found = {"diffuse": merged.diffuse, "glossy_color": merged.glossy_color}
+    return first._replace(lobes=first.lobes._replace(**found)), merged.sums

@@ -97,7 +97,7 @@ class FinalRender:
         sink = BlenderSink(
             self.engine, self.layer, view, rows, scene.camera.region, self.settings, films
         )
-        self.engine.update_stats("", "Loading; a machine's first render compiles for a minute")
+        self.engine.update_stats("", "Loading; a machine's first render compiles for half a minute")
         try:
             stats = run_in_worker(lambda relay: self._render(scene, relay), sink)
         finally:

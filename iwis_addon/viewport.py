@@ -124,7 +124,7 @@ class Viewport:
             return "IWIS | nothing to render inside the border"
         picture = self.thread.picture
         if picture is None:
-            return "IWIS | Loading; a machine's first render compiles for a minute"
+            return "IWIS | Loading; a machine's first render compiles for half a minute"
         sky = " | the Sky Texture is being rendered" if self._skies.waiting else ""
         if picture.converged:
             return f"IWIS | Done | {_mean_samples(picture):.1f} samples a pixel{sky}"
