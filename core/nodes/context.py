@@ -175,10 +175,10 @@ class ShadeContext:
 
     def uv(self, name: str = "") -> np.ndarray:
         """float32 (n, 3) of a UV map, of the active one for ""; 0 where there is none."""
-        value = self.attribute(f"uv:{name}")
-        if value is None:
-            return np.zeros((len(self), 3), np.float32)
-        return np.pad(value, ((0, 0), (0, 1)))
+        found, value = np.zeros((len(self), 3), np.float32), self.attribute(f"uv:{name}")
+        if value is not None:
+            found[:, :2] = value
+        return found
 
     @cached_property
     def generated(self) -> np.ndarray:
