@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .values import clipped, parts
+from .values import as_number, clipped, parts
 
 _MISSING = np.float32([1.0, 0.0, 1.0, 1.0])  # what Cycles shows for an image that is not there
 
@@ -22,7 +22,7 @@ def _looked_up(image, u, v, interpolation, extension):
     value = np.empty((len(u), 4), np.float32)
     scale = np.float32(1.0 / 255.0 if image.dtype == np.uint8 else 1.0)
     rule = INTERPOLATIONS[interpolation], EXTENSIONS[extension], scale
-    u, v = (np.ascontiguousarray(a, np.float32) for a in (u, v))
+    u, v = (as_number(a, len(value)) for a in (u, v))
     look_up(np.ascontiguousarray(image), u, v, *rule, value)
     return value
 

@@ -65,10 +65,18 @@ def convert(value, source: str, target: str) -> np.ndarray:
 
 
 def as_number(value, n: int) -> np.ndarray:
-    """float32 (n,), C-contiguous."""
-    return np.ascontiguousarray(np.broadcast_to(np.asarray(value, np.float32), (n,)))
+    """float32 (n,), as kernels take it."""
+    return _shaped(value, (n,))
 
 
 def as_vector(value, n: int) -> np.ndarray:
-    """float32 (n, 3), C-contiguous."""
-    return np.ascontiguousarray(np.broadcast_to(np.asarray(value, np.float32), (n, 3)))
+    """float32 (n, 3), as kernels take it."""
+    return _shaped(value, (n, 3))
+
+
+def _shaped(value, shape) -> np.ndarray:
+    """C-contiguous and writable: for another kind of array kernels are compiled anew."""
+    value = np.asarray(value, np.float32)
+    if value.shape != shape:
+        value = np.broadcast_to(value, shape)
+    return np.require(value, requirements="CW")
