@@ -62,6 +62,7 @@ class _Columns:
         self.params = params_at(scene.materials, scene.mesh.material_index[points.triangle])
         self.normal = points.normal.copy()
         self.weight = points.through.copy()
+        self._maps_normals = False
         self._turned = np.zeros(len(points.pixel), np.bool_)  # the normal, by a map, and shadowed
         self._as_turned = np.zeros(len(points.pixel), np.bool_)  # Program.corrects_bumps is off
         self._grain = np.zeros((len(points.pixel), 3), np.float32)
@@ -83,6 +84,7 @@ class _Columns:
         if layer.grain is not None:
             self._grain[rows] = layer.grain
         if layer.normal is not None:
+            self._maps_normals = True
             kept = any_in_row(layer.normal)
             self.normal[rows[kept]] = layer.normal[kept]
             self._turned[rows[kept]] = layer.shadows
@@ -100,6 +102,8 @@ class _Columns:
         points, weight = self.points, self.weight
         own = self.params, self.normal, points.geometric_normal, points.wo
         lobes = setup_lobes(*own, self._measured, self._as_turned)
+        if self._maps_normals:  # below the surface: lit by what no light comes from, as in Cycles
+            lobes.diffuse[_dots(points.normal, lobes.normal) < 0.0] = 0.0
         if self._sheen.any():
             roughness = self.params.roughness
             set_sheen(lobes, self._sheen == SHEEN, self._sheen == VELVET_SHEEN, roughness)
@@ -116,6 +120,10 @@ class _Columns:
             weight=lobes.weight * weight[:, None],
             tint=lobes.tint * weight,
         )
+
+
+def _dots(a, b) -> np.ndarray:
+    return a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
 
 
 def surface_lobes(scene: Scene, points: ShadingPoints) -> tuple[ShadingPoints, Lobes]:

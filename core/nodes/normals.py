@@ -18,25 +18,33 @@ def normal_map(context, settings, inputs):
     color = 2.0 * as_vector(inputs["Color"], n) - 1.0
     strength = np.maximum(as_number(inputs["Strength"], n), 0.0)
     back = context.backfacing[:, None] > 0.0
-    front = np.where(back, -context.normal, context.normal)
     if settings["space"] == "TANGENT":
         table = context.attribute(settings["table"])
         if table is None:
             return {"Normal": context.normal}
-        tangent, own = table[:, :3], context.object_normal
-        across = column(np.sign(table[:, 3])) * np.cross(own, tangent)
-        x, y, z = (column(a) for a in parts(color))
-        turned = context.normal_to_world(x * tangent + y * across + z * own)
-        turned = np.where(any_in_row(tangent)[:, None], turned, front)
-    else:
-        if settings["space"].startswith("BLENDER"):
-            color = color * np.float32([1.0, -1.0, -1.0])
-        in_object = settings["space"] in ("OBJECT", "BLENDER_OBJECT")
-        turned = context.normal_to_world(color) if in_object else normalized(color)
+        turned = _about_tangents(context, table, color, strength)
+        front = np.where(back, -context.normal, context.normal)
+        turned = np.where(any_in_row(table[:, :3])[:, None], turned, front)
+        return {"Normal": _or(np.where(back, -turned, turned), context.normal)}
+    if settings["space"].startswith("BLENDER"):
+        color = color * np.float32([1.0, -1.0, -1.0])
+    in_object = settings["space"] in ("OBJECT", "BLENDER_OBJECT")
+    turned = context.normal_to_world(color) if in_object else normalized(color)
     turned = np.where(back, -turned, turned)
     stretched = normalized(context.normal + (turned - context.normal) * column(strength))
     turned = np.where(column(strength) == 1.0, turned, stretched)
     return {"Normal": _or(turned, context.normal)}
+
+
+def _about_tangents(context, table, color, strength):
+    """The map's normal, of the mesh's front. Strength flattens the map itself, or makes it steeper,
+    before it is made unit: in the other spaces it mixes two unit normals."""
+    tangent, own = table[:, :3], context.object_normal
+    across = column(np.sign(table[:, 3])) * np.cross(own, tangent)
+    x, y, z = parts(color)
+    z = 1.0 + (z - 1.0) * np.minimum(strength, 1.0)
+    turned = column(x * strength) * tangent + column(y * strength) * across + column(z) * own
+    return context.normal_to_world(turned)
 
 
 def _or(normal, otherwise):

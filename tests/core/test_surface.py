@@ -80,6 +80,18 @@ def test_turned_normal_is_corrected_or_not(corrects):
     assert lobes.bump.any() == corrects
 
 
+@pytest.mark.parametrize("corrects", (True, False))
+@pytest.mark.parametrize("height", (0.1, -0.1))
+def test_normal_into_the_surface_reflects_no_diffuse_light(height, corrects):
+    """As in Cycles: light and viewer are above the surface, and the normal below it."""
+    side = np.float32([np.sqrt(1.0 - height * height), 0.0, height])
+    closure = Closure(DIFFUSE, GGX, _ONE, {"base_color": _ONE}, side)
+    program = Program(ops=(), closures=(closure,), corrects_bumps=corrects)
+    scene = _one_program(program, diffuse())
+    lobes = surface_lobes(scene, pixel_points(scene).points)[1]
+    np.testing.assert_array_equal(lobes.diffuse, np.full_like(lobes.diffuse, height > 0.0))
+
+
 def test_heaviest_closure_of_each_point_is_shown():
     """Half of the floor weighs more to one side: there it is a mirror, elsewhere diffuse."""
     rough, matte = (

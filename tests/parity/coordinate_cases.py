@@ -144,4 +144,23 @@ for _output in ("Fresnel", "Facing"):
             f"Layer Weight {_output} {_amount}",
             lambda t, o=_output, a=_amount: t.made("ShaderNodeLayerWeight", o, {0: a}),
         )
+# A colour that is no unit vector, as filtered or painted maps have it.
+for _space in ("TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"):
+    for _strength in (1.0, 0.4, 2.0):
+        shown(
+            f"Normal Map {_space}, strength {_strength:g}",
+            lambda t, space=_space, strength=_strength: t.made(
+                "ShaderNodeVectorMath",
+                0,
+                {
+                    0: t.made(
+                        "ShaderNodeNormalMap",
+                        0,
+                        {"Color": (0.7, 0.4, 0.65), "Strength": strength},
+                        space=space,
+                    )
+                },
+                operation="ABSOLUTE",
+            ),
+        )
 shown("Normal", lambda t: t.made("ShaderNodeNormal", "Dot", {0: t.coordinates("Normal")}))
