@@ -8,7 +8,7 @@ import numpy as np
 
 from ..panorama_places import space_axes
 from ..program import SurfaceData
-from ..rows import rows_of
+from ..rows import any_in_row, rows_of
 from ..scene import Camera, TriangleMesh
 from .values import as_vector, dot, normalized
 
@@ -222,10 +222,14 @@ class ShadeContext:
         return (beyond * slant).astype(np.float32)
 
     def tangents(self, length) -> tuple[np.ndarray, np.ndarray]:
-        """Two vectors in the plane of the face, at right angles, of a length (n,)."""
+        """Two vectors in the plane of the face, at right angles, of a length (n,): the first one is
+        (1, 1, 1) x the normal, or (-1, 1, 1) x it. Bumps ask for heights there, as Cycles' do."""
         n = self.geometric_normal
-        axis = np.where(np.abs(n[:, :1]) > 0.6, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
-        t = normalized(np.cross(axis, n))
+        x, y, z = n.T
+        t = np.stack([z - y, x - z, y - x], -1)
+        even = ~any_in_row(t)
+        t[even] = np.stack([z - y, x + z, -y - x], -1)[even]
+        t = normalized(t)
         scale = np.asarray(length, np.float32)[:, None]
         return (t * scale).astype(np.float32), (np.cross(n, t) * scale).astype(np.float32)
 

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.nodes.context import barycentric_of
+from iwis.core.nodes.context import ShadeContext, barycentric_of
 from iwis.core.nodes.layers import through_glass, under_coat
 from iwis.core.program import Closure, Op, Program, Ref
 from iwis.core.scene import DIFFUSE, GGX, GLOSSY, TRANSLUCENT, EnvironmentMap
@@ -43,6 +43,24 @@ def test_barycentric_coordinates_are_found_again():
     place = (1 - u - v)[:, None] * a + u[:, None] * b + v[:, None] * c
     found = barycentric_of(scene.mesh, triangle, place.astype(np.float32))
     np.testing.assert_allclose(found, np.stack([u, v], -1), atol=1e-6)  # float32 places
+
+
+def test_steps_of_a_bump_are_tangents(rng):
+    """At right angles to the face and to each other; of a normal along (1, 1, 1), too."""
+
+    class Faces:
+        geometric_normal = rng.standard_normal((50, 3)).astype(np.float32)
+
+    normal = Faces.geometric_normal
+    normal[0] = 1.0
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    length = rng.uniform(0.5, 2.0, 50).astype(np.float32)
+    along, across = ShadeContext.tangents(Faces(), length)
+    for step in (along, across):
+        np.testing.assert_allclose(np.linalg.norm(step, axis=1), length, rtol=1e-6)
+        np.testing.assert_allclose((step * normal).sum(1), 0.0, atol=1e-6)
+    np.testing.assert_allclose((along * across).sum(1), 0.0, atol=1e-6)
+    np.testing.assert_allclose(along[1:].sum(1), 0.0, atol=1e-6)  # as of (1, 1, 1) x normal
 
 
 def test_program_of_constants_is_its_row():

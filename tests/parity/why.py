@@ -3,7 +3,6 @@
 _EDGES = "edges of a pattern fall between two pixels, and steep highlights; tones agree"
 _RAYS = "Cycles follows BSDF rays through it as well, whose Light Path is another"
 _MOVES = "noise where things move: a pass sees four slices of time (record 24); tones agree"
-_BUMP = "likely heights asked for a little elsewhere: pixels scatter, means of 4 x 4 agree to .5 %"
 _HORIZON = "one row of pixels, in which the sky triples within two texels of .18 degrees"
 _FINE = "highlights and strands finer than a pixel; tones agree"
 _RIBBONS = "Cycles' flat ribbons face the ray and end in a line: less of them is seen from above"
@@ -23,7 +22,6 @@ WHY = {
     "Emissive image, sharp, on 101 760 faces": _AT_THE_LIMIT,
     "Tangent, radial X": _ALONG,
     "Tangent, radial Y": _ALONG,
-    "Glossy, brushed, bump": _BUMP,
     "Glass": _STRAIGHT,
     "Glass, rough": _STRAIGHT,
     "Principled, transmission": _STRAIGHT,
@@ -45,9 +43,6 @@ WHY = {
     "Principled, roughness varies": _EDGES,
     "Principled, specular varies": _EDGES,
     "Glossy, roughness varies": _EDGES,
-    "Principled, bump": _BUMP,
-    "Displacement as bump": _BUMP,
-    "Displacement as bump, of a large object": _BUMP,
     "Transparent to shadow rays": _RAYS,
     "Sky, multiple scattering, horizon seen": _HORIZON,
     "Transparent by a checker": _EDGES,
