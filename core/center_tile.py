@@ -25,7 +25,6 @@ from .tile_job import (
     Rect,
     TileCounts,
     add_samples,
-    cell_bounds,
     frame_places,
     trace_points,
     whole_cells,
@@ -179,7 +178,7 @@ class CenterTile:
         places = places_in(self.rect, columns, rows)
         self._missed = MissedRays(places[missed], rays.directions[missed], tints[missed])
         self._places = places[points.pixel]
-        bounds = cell_bounds(points, ends)
+        bounds = np.searchsorted(points.pixel, ends)  # points.pixel: rows of the rays, ascending
         layers = with_all_lobes(scene, points._replace(pixel=pixel[points.pixel]))
         self._bounds = [np.searchsorted(of, bounds).astype(np.int32) for _, of in layers]
         self._layers = layers

@@ -27,8 +27,8 @@ def any_in_row(vectors: np.ndarray) -> np.ndarray:
 
 
 def row_means(vectors: np.ndarray) -> np.ndarray:
-    """float32 (n,): means of the rows of float32 (n, 3)."""
-    return (vectors[:, 0] + vectors[:, 1] + vectors[:, 2]) * np.float32(1.0 / 3.0)
+    """float32 (n,) or (): means of float32 (n, 3) or (3,)."""
+    return (vectors[..., 0] + vectors[..., 1] + vectors[..., 2]) * np.float32(1.0 / 3.0)
 
 
 def row_maxima(vectors: np.ndarray) -> np.ndarray:

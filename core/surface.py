@@ -15,6 +15,7 @@ from .cutouts import opacity_gain
 from .lobe_setup import setup_lobes
 from .lobes import Lobes
 from .nodes import Evaluation, ShadeContext
+from .nodes.values import dot
 from .poses import points_at_rest, posed_normals
 from .program import Program
 from .rows import any_in_row, row_means, rows_of
@@ -103,7 +104,7 @@ class _Columns:
         own = self.params, self.normal, points.geometric_normal, points.wo
         lobes = setup_lobes(*own, self._measured, self._as_turned)
         if self._maps_normals:  # below the surface: lit by what no light comes from, as in Cycles
-            lobes.diffuse[_dots(points.normal, lobes.normal) < 0.0] = 0.0
+            lobes.diffuse[dot(points.normal, lobes.normal) < 0.0] = 0.0
         if self._sheen.any():
             roughness = self.params.roughness
             set_sheen(lobes, self._sheen == SHEEN, self._sheen == VELVET_SHEEN, roughness)
@@ -120,10 +121,6 @@ class _Columns:
             weight=lobes.weight * weight[:, None],
             tint=lobes.tint * weight,
         )
-
-
-def _dots(a, b) -> np.ndarray:
-    return a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
 
 
 def surface_lobes(scene: Scene, points: ShadingPoints) -> tuple[ShadingPoints, Lobes]:

@@ -198,14 +198,6 @@ def with_all_lobes(scene: Scene, points: ShadingPoints) -> list[ClosureLayer]:
     ]
 
 
-def cell_bounds(points: ShadingPoints, ends: np.ndarray) -> np.ndarray:
-    """int32: where the points of each cell begin, and their number, from where its rays begin.
-
-    ends: int, of neighbours.cell_order for all rays; points.pixel: rows of the rays, ascending
-    """
-    return np.searchsorted(points.pixel, ends).astype(np.int32)
-
-
 def add_samples(
     job: Job,
     seen: SeenPoints,

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..rows import row_means
+
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 
 
@@ -61,7 +63,7 @@ def convert(value, source: str, target: str) -> np.ndarray:
         return np.repeat(np.asarray(value, np.float32)[..., None], 3, -1)
     if source == "COLOR":
         return value @ LUMINANCE
-    return (value[..., 0] + value[..., 1] + value[..., 2]) * np.float32(1.0 / 3.0)
+    return row_means(value)
 
 
 def as_number(value, n: int) -> np.ndarray:
