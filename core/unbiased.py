@@ -39,7 +39,7 @@ from .shading import ShadingPoints
 from .sphere_map import sphere_to_square
 from .trace_lanes import add_lanes, trace_lanes
 from .warp import fill_map_coordinates, warp_lanes
-from .weigh import fill_radiance, weigh_run
+from .weigh import fill_radiance, weigh_lanes
 
 # At least, and at most, of the samples follow the narrowest lobe (of a mirror, of a coat): how much
 # light that brings, the product mistakes by up to 100 if the mirrored wo meets the rim of a sun.
@@ -178,13 +178,7 @@ def _finish_lanes(task, cut, work, n):
     _follow_lobes(task, work, n_follows)
     fill_map_coordinates(light.lookup, lanes, n)
     fill_radiance(light.lookup, lanes, n)
-    s = np.int64(0)
-    while s < n:
-        p, end = lanes.point[s], s + 1
-        while end < n and lanes.point[end] == p:
-            end += 1
-        weigh_run(task, work.share[s], p, lanes, s, end)
-        s = end
+    weigh_lanes(task, work.share, lanes, n)
 
 
 @kernel

@@ -156,12 +156,9 @@ def _weigh_stretched(at, share, numbers, s, end):
         _write_light(numbers, k, pdf, value)
 
 
-@kernel
-def weigh_run(task, share, p, lanes, s, end):
-    """Finish lanes s ... end - 1, all of point p, but for the question who sees the light.
-
-    share: of the samples, those that follow the narrowest lobe
-    """
+@kernel(forceinline=True)
+def _weigh_run(task, share, p, lanes, s, end):
+    """weigh_lanes for lanes s ... end - 1, all of point p."""
     at = lobes_at(task.lobes, p)
     _start_rays(task.points, p, task.offset, lanes.numbers, s, end)
     if task.points.lift_below[p] > _ZERO:
@@ -180,3 +177,19 @@ def weigh_run(task, share, p, lanes, s, end):
         _weigh_glossy(at, False, share, lanes.numbers, s, end)
     if at.bump > _ZERO:
         _shadow_bumps(at, lanes.numbers, s, end)
+
+
+@kernel
+def weigh_lanes(task, share, lanes, n):
+    """Finish lanes 0 ... n - 1, but for the question who sees the light.
+
+    share: float32, of the samples of each lane's point, those that follow the narrowest lobe
+    Called once for all of them: a call hands over some 300 numbers, as many as a task has.
+    """
+    s = np.int64(0)
+    while s < n:
+        p, end = lanes.point[s], s + 1
+        while end < n and lanes.point[end] == p:
+            end += 1
+        _weigh_run(task, share[s], p, lanes, s, end)
+        s = end
