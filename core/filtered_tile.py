@@ -26,8 +26,8 @@ from .pass_rays import (
     samples_of_a_pass,
 )
 from .pass_samples import PassSampler
-from .pass_sums import PassSums, add_background, close_pass, new_pass_sums
-from .rows import any_in_row
+from .pass_sums import PassSums, add_background, close_passes, new_pass_sums
+from .rows import any_in_row, row_and_column, rows_of
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .silhouettes import Silhouettes
 from .tile_job import (
@@ -91,7 +91,7 @@ class FilteredTile:
         n, pixels, sums = self._batch, self._pixels, self._sums
         passes = np.maximum(sums.passes[pixels], 1)
         near = self._silhouettes.near()[pixels]
-        rows, columns = np.divmod(pixels, self._around.width)
+        rows, columns = row_and_column(pixels, self._around.width)
         counted = np.zeros(self._n, np.bool_)
         counted[self._inside(self.rect)] = True
         counted = counted[pixels]
@@ -179,7 +179,7 @@ class FilteredTile:
             for add, *own in found:
                 add(*own)
         film = self._job.scene.transparent_film
-        close_pass(np.repeat(pixels, counts), film, self._known())
+        close_passes(pixels, counts, film, self._known())
         return True
 
     def _known(self) -> PassSums:
@@ -219,12 +219,14 @@ class FilteredTile:
         missed = np.ones(len(looked), np.bool_)
         missed[points.pixel] = False
         numbers, points = own.number[points.pixel], points._replace(pixel=looked[points.pixel])
+        missed = np.flatnonzero(missed)
         if pilot:
-            self._silhouettes.note(looked[missed], any_in_row(rays.directions[missed]), points)
+            looks = any_in_row(rays.directions.take(missed, axis=0))
+            self._silhouettes.note(looked[missed], looks, points)
             inside = self._cell >= 0
-            missed &= inside[looked]
+            missed = missed[inside[looked[missed]]]
             numbers, points = numbers[inside[points.pixel]], points.at(inside[points.pixel])
-        return points, numbers, (looked[missed], rays.directions[missed], tints[missed])
+        return points, numbers, rows_of((looked, rays.directions, tints), missed)
 
     def _dither(self, rays: PassRays) -> np.ndarray | None:
         """What cut-outs draw for them (cutouts.points_through), if there may be any."""
@@ -234,7 +236,7 @@ class FilteredTile:
 
     def _places(self, pixels) -> tuple[np.ndarray, np.ndarray]:
         """Column and row in the frame, int64."""
-        rows, columns = np.divmod(pixels.astype(np.int64), self._around.width)
+        rows, columns = row_and_column(pixels.astype(np.int64), self._around.width)
         return columns + self._around.x, rows + self._around.y
 
     def _rays(self, rays: PassRays, time):
@@ -246,7 +248,7 @@ class FilteredTile:
         scene, looks = self._job.scene, any_in_row(directions)
         if not looks.all():
             np.add.at(self._sums.opaque, pixels[~looks], np.float32(1.0))
-            pixels, directions, tints = pixels[looks], directions[looks], tints[looks]
+            pixels, directions, tints = rows_of((pixels, directions, tints), looks)
         np.add.at(self._sums.opaque, pixels, opacity_of(tints))
         if not len(pixels) or not scene.environment.visible_to_camera:
             return

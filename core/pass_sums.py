@@ -182,13 +182,14 @@ def cell_spreads(cell: np.ndarray, n_cells: int, passes, light, spread) -> np.nd
 
 
 @kernel
-def close_pass(pixel, with_alpha, state):
-    """Count a pass of the pixels, int32 (n,), and update their errors.
+def close_passes(pixel, counts, with_alpha, state):
+    """Count so many more passes of each pixel, int32 (n,), and update their errors.
 
     with_alpha: whether the share of the world is seen as alpha; its error then counts too
     """
-    for p in pixel:
-        state.passes[p] += 1
+    for k in range(len(pixel)):
+        p = pixel[k]
+        state.passes[p] += counts[k]
         error = _light_error(state, p)
         if with_alpha:
             passes = np.float64(state.passes[p])

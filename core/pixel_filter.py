@@ -23,20 +23,23 @@ _BITS = 4294967296.0
 # Hashes 1 and 2 scramble the points of light.
 # What unit_points are for: each has three salts of its own; those from LAMPS on are the lamps'.
 FILTER, LENS, TIME, LAYERS, LAMPS = 3, 6, 9, 12, 15
-_CDF_NODES, _GUIDES = 4097, 1024
+_CDF_NODES, _GUIDES = 4097, 4096
 
 
 @kernel(forceinline=True)
 def _second_dimension(index):
-    """Sobol's second dimension, bits in reverse order, as sequence.sobol_points has it."""
+    """Sobol's second dimension, bits in reverse order, as sequence.sobol_points has it.
+
+    Bit j is the parity of those bits i of the index whose number has all digits of j's: a
+    butterfly, a digit of the numbers after another.
+    """
     u = np.uint32
-    bits, column = u(0), u(1)
-    while index > u(0):
-        if index & u(1):
-            bits = u(bits ^ column)
-        column = u(column ^ u(column << u(1)))
-        index = u(index >> u(1))
-    return bits
+    bits = u(index)
+    bits = u(bits ^ u(u(bits >> u(1)) & u(0x55555555)))
+    bits = u(bits ^ u(u(bits >> u(2)) & u(0x33333333)))
+    bits = u(bits ^ u(u(bits >> u(4)) & u(0x0F0F0F0F)))
+    bits = u(bits ^ u(u(bits >> u(8)) & u(0x00FF00FF)))
+    return u(bits ^ u(bits >> u(16)))
 
 
 @kernel(forceinline=True)
@@ -52,23 +55,39 @@ def _reversed(number):
 
 
 @kernel(forceinline=True)
+def _hashes(x, y, seed, salt):
+    """What shuffles a pixel's sequence and scrambles its two dimensions, uint32."""
+    u = np.uint32
+    shuffle = u(hash_pixel(x, y, seed, salt) * _BITS)
+    first = u(hash_pixel(x, y, seed, salt + 1) * _BITS)
+    return shuffle, first, u(hash_pixel(x, y, seed, salt + 2) * _BITS)
+
+
+@kernel(forceinline=True)
+def _point(number, hashes):
+    index = scramble(_reversed(number), hashes[0])
+    first, second = scramble(index, hashes[1]), scramble(_second_dimension(index), hashes[2])
+    return np.float64(first) / _BITS, np.float64(second) / _BITS
+
+
+@kernel(forceinline=True)
 def point_of_pixel(place, salt):
     """(x, y), float64 in [0, 1): a point of a pixel's sequence number ``salt``, one of many.
 
     place: (column, row, number, seed); three salts from this one on are in use
     """
-    u = np.uint32
     x, y, number, seed = place
-    index = scramble(_reversed(number), u(hash_pixel(x, y, seed, salt) * _BITS))
-    first = scramble(index, u(hash_pixel(x, y, seed, salt + 1) * _BITS))
-    second = scramble(_second_dimension(index), u(hash_pixel(x, y, seed, salt + 2) * _BITS))
-    return np.float64(first) / _BITS, np.float64(second) / _BITS
+    return _point(number, _hashes(x, y, seed, salt))
 
 
 @kernel
 def _fill_points(columns, rows, number, seed, salt, out):
+    """Points of a pixel that follow each other share its hashes."""
+    hashes = _hashes(columns[0], rows[0], seed, salt)
     for k in range(len(columns)):
-        out[k, 0], out[k, 1] = point_of_pixel((columns[k], rows[k], number[k], seed), salt)
+        if k > 0 and (columns[k] != columns[k - 1] or rows[k] != rows[k - 1]):
+            hashes = _hashes(columns[k], rows[k], seed, salt)
+        out[k, 0], out[k, 1] = _point(number[k], hashes)
 
 
 def unit_points(columns, rows, number, seed: int, salt: int = FILTER) -> np.ndarray:
@@ -80,20 +99,21 @@ def unit_points(columns, rows, number, seed: int, salt: int = FILTER) -> np.ndar
     """
     out = np.empty((len(columns), 2))
     number = np.ascontiguousarray(np.broadcast_to(number, len(columns)), np.int64)
-    _fill_points(columns, rows, number, seed, salt, out)
+    if len(out):
+        _fill_points(columns, rows, number, seed, salt, out)
     return out
 
 
 @functools.cache
 def _blackman_harris() -> tuple[np.ndarray, np.ndarray]:
     """The window's integral at _CDF_NODES places from -1 to 1, float64 from 0 to 1; and for each of
-    _GUIDES equal parts of 0 ... 1 the last node below it, int64."""
+    _GUIDES equal parts of 0 ... 1 the last node below it, int16."""
     v = np.pi * (np.linspace(-1.0, 1.0, _CDF_NODES) + 1.0)
     sines = -0.48829 * np.sin(v) + 0.07064 * np.sin(2.0 * v) - 0.01168 / 3.0 * np.sin(3.0 * v)
     cdf = (0.35875 * v + sines) / (0.35875 * 2.0 * np.pi)
     cdf[0], cdf[-1] = 0.0, 1.0
     guides = np.searchsorted(cdf, np.arange(_GUIDES) / _GUIDES, side="right") - 1
-    return cdf, guides
+    return cdf, guides.astype(np.int16)
 
 
 @kernel
@@ -102,7 +122,7 @@ def _fill_offsets(points, width, cdf, guides, out):
     for k in range(len(points)):
         for a in range(2):
             u = points[k, a]
-            node = guides[int(u * len(guides))]
+            node = np.int64(guides[int(u * len(guides))])
             while cdf[node + 1] <= u:
                 node += 1
             part = (u - cdf[node]) / (cdf[node + 1] - cdf[node])

@@ -34,3 +34,10 @@ def row_means(vectors: np.ndarray) -> np.ndarray:
 def row_maxima(vectors: np.ndarray) -> np.ndarray:
     """(n,): the largest number of each row of (n, 3)."""
     return np.maximum(np.maximum(vectors[:, 0], vectors[:, 1]), vectors[:, 2])
+
+
+def row_and_column(place: np.ndarray, width) -> tuple[np.ndarray, np.ndarray]:
+    """Of places in a picture of that width, row by row, int (n,); divmod takes three times as
+    long."""
+    rows = place // width
+    return rows, place - rows * width

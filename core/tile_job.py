@@ -28,7 +28,7 @@ from .lobes import DIFFUSE_LOBE, Lobes
 from .neighbours import CELL_PX, find_neighbours, long_blocks
 from .paper import PaperSampler
 from .paper_tables import PaperTables
-from .rows import any_in_row
+from .rows import any_in_row, row_and_column
 from .sample_plan import Demand
 from .scene import Camera, Scene
 from .sequence import PixelSequence, pixel_sequence
@@ -230,7 +230,7 @@ def add_samples(
 
 def frame_places(rect: Rect, pixel: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Column and row in the frame, int32, of pixels of a tile."""
-    rows, columns = np.divmod(pixel, np.int32(rect.width))
+    rows, columns = row_and_column(pixel, np.int32(rect.width))
     return columns + np.int32(rect.x), rows + np.int32(rect.y)
 
 

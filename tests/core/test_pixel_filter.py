@@ -33,6 +33,17 @@ def test_points_are_a_pixels_own():
     assert (points != unit_points(columns, rows, 0, 1)).all()
 
 
+def test_points_of_a_pixel_do_not_depend_on_those_before():
+    """A pixel whose points follow each other, one that comes again, one between them."""
+    columns, rows = np.array([3, 3, 3, 4, 3, 3, 4]), np.array([5, 5, 6, 6, 5, 5, 6])
+    number = np.array([0, 1, 0, 7, 2, 0, 7])
+    together = unit_points(columns, rows, number, 1)
+    for k, point in enumerate(together):
+        alone = unit_points(columns[k : k + 1], rows[k : k + 1], number[k : k + 1], 1)
+        np.testing.assert_array_equal(alone[0], point)
+    assert unit_points(columns[:0], rows[:0], 0, 1).shape == (0, 2)
+
+
 @pytest.mark.statistical
 def test_points_are_apart_from_those_of_light():
     """No correlation with the shifts of the light's points, in any pass. alpha = 1e-3, Sidak."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from iwis.core.rows import any_in_row, row_maxima, row_means, rows_of
+from iwis.core.rows import any_in_row, row_and_column, row_maxima, row_means, rows_of
 
 WAYS = [slice(3, 7), np.arange(20) % 3 == 1, np.array([4, 4, 0, 19]), [2, 5], np.zeros(0, np.int64)]
 
@@ -21,3 +21,10 @@ def test_what_rows_of_three_say(rng):
     np.testing.assert_array_equal(any_in_row(vectors), vectors.any(axis=1))
     np.testing.assert_allclose(row_means(vectors), vectors.mean(axis=1), atol=1e-7)
     np.testing.assert_array_equal(row_maxima(vectors), vectors.max(axis=1))
+
+
+def test_place_is_a_row_and_a_column():
+    rows, columns = row_and_column(np.arange(35, dtype=np.int32), np.int32(7))
+    assert rows.dtype == columns.dtype == np.int32
+    np.testing.assert_array_equal(7 * rows + columns, np.arange(35))
+    assert columns.max() == 6 and rows.max() == 4
