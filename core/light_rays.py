@@ -11,9 +11,11 @@ from .accel import start_shadow_ray
 from .brdf import eval_at, pdf_at
 from .environment import EnvironmentLookup
 from .light_leaves import LightLeaves, light_leaves
+from .microfacet import HALF, INV_PI
 from .product import ProductCells, product_cells
 from .pyramid import LightPyramid, pdf_light
 from .scene import ROUND
+from .sheen import MICROFIBER, VELVET, pdf_microfiber
 
 _ZERO, _ONE, _ROUND = np.float32(0.0), np.float32(1.0), np.float32(ROUND)
 
@@ -33,6 +35,17 @@ def make_light(lookup: EnvironmentLookup, pyramid: LightPyramid) -> Light:
 
 
 @kernel(forceinline=True)
+def _pdf_of_cycles(at, wx, wy, wz):
+    """The density of Cycles' samples of the BSDF, sr^-1: of sheen it is not that of ours."""
+    if at.rough[3] == MICROFIBER:
+        return pdf_microfiber(at, wx, wy, wz)
+    if at.rough[3] == VELVET:  # all directions above the surface alike
+        above = at.normal[0] * wx + at.normal[1] * wy + at.normal[2] * wz
+        return HALF * INV_PI if above > _ZERO else _ZERO
+    return pdf_at(at, wx, wy, wz)
+
+
+@kernel(forceinline=True)
 def is_lifted(at, points, light, p, wx, wy, wz, u):
     """Whether a sample's ray starts on the smooth patch, as Cycles' rays would.
 
@@ -47,7 +60,7 @@ def is_lifted(at, points, light, p, wx, wy, wz, u):
     if below >= _ROUND:
         return True
     by_light = pdf_light(light.pyramid, np.float64(wx), np.float64(wy), np.float64(wz))
-    by_bsdf = np.float64(pdf_at(at, wx, wy, wz))
+    by_bsdf = np.float64(_pdf_of_cycles(at, wx, wy, wz))
     return u * (by_light * by_light + by_bsdf * by_bsdf) < by_light * by_light
 
 

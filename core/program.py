@@ -109,12 +109,14 @@ class SurfaceData:
 
     row: int32 (m,), for each triangle of the scene its row in the tables; -1 = it has none
     tables: name -> float32 (rows, 3, width), values at the corners; instances share rows
+    object_tables: name -> float32 (n, 4), a value for each object
     object_to_world: float64 (n, 4, 4); mirrored: bool (n,), the winding was turned round
     color: float32 (n, 4); random, pass_index: float32 (n,), as the Object Info node gives them
     """
 
     row: np.ndarray
     tables: Mapping[str, np.ndarray] = field(default_factory=dict)
+    object_tables: Mapping[str, np.ndarray] = field(default_factory=dict)
     object_to_world: np.ndarray
     mirrored: np.ndarray
     color: np.ndarray

@@ -56,12 +56,10 @@ def uv_map(context, settings, inputs):
 
 
 def attribute(context, settings, inputs):
-    """settings: table, the name of the values; constant float32 (4,) instead of them."""
-    value = settings.get("constant")
-    if value is None:
-        value = context.attribute(settings["table"])
-    if value is None:
-        value = np.zeros((len(context), 4), np.float32)
+    """settings: table, the name of the values."""
+    value = context.attribute(settings["table"])
+    if value is None:  # there is none of that name: black, but opaque, as in Cycles
+        value = np.zeros((len(context), 3), np.float32)
     width = value.shape[-1]
     alpha = value[..., 3] if width == 4 else _ONE
     if width == 1:
@@ -74,8 +72,11 @@ def attribute(context, settings, inputs):
 
 
 def object_attribute(context, settings, inputs):
-    """The object's own value. settings: table float32 (n_objects, 4)"""
-    return attribute(context, {"constant": settings["table"][context.object]}, inputs)
+    """The object's own value. settings: table, its name among SurfaceData.object_tables"""
+    table = context.surface.object_tables.get(settings["table"])
+    value = np.zeros((len(context), 4), np.float32) if table is None else table[context.object]
+    color = value[:, :3]
+    return {"Color": color, "Vector": color, "Fac": color.mean(-1), "Alpha": value[:, 3]}
 
 
 def mapping(context, settings, inputs):

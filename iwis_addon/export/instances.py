@@ -19,6 +19,7 @@ from .errors import ExportCancelled
 from .lamps import read_lamp
 from .left_out import UNSUPPORTED_TYPES, LeftOut
 from .local_mesh import LiveMeshes, LocalMesh
+from .object_properties import Asked, asks_instancers, outermost_index
 from .particle_hair import hair_modifiers
 from .parts import WITH_SURFACE, PartReader
 
@@ -48,12 +49,14 @@ class Instance(NamedTuple):
 class Look(NamedTuple):
     """What an instance's materials may ask of its object.
 
-    color: rgba; random: 0 ... 1, another one for each instance; properties: by name
+    color: rgba; random: 0 ... 1, another one for each instance; asked: whose properties
+    index: of object_properties.outermost_index, where a material asks, else -1
     """
 
     color: tuple
     random: float
-    properties: dict
+    asked: Asked
+    index: int
 
 
 class Inventory(NamedTuple):
@@ -63,6 +66,7 @@ class Inventory(NamedTuple):
     sources: of PartReader, one a part, while the graph lives
     looks: one an instance
     lamps: rows for core.lamps.make_lamps
+    layer: the evaluated view layer, scene and world
     """
 
     parts: list[LocalMesh]
@@ -71,6 +75,7 @@ class Inventory(NamedTuple):
     sources: list
     looks: list[Look]
     lamps: list[dict]
+    layer: tuple
 
 
 def random_of_names(names: list[str]) -> np.ndarray:
@@ -105,7 +110,7 @@ class _Item(NamedTuple):
     terminator_offset: float
     flags: int
     color: tuple
-    properties: dict
+    asked: Asked
 
 
 class _Collector:
@@ -119,8 +124,11 @@ class _Collector:
         self._material_rows: dict[int, int] = {}
         self._parts: dict[tuple, tuple[int | None, list[int]]] = {}
         self._items: dict[tuple, _Item] = {}
+        self._asks_instancers = asks_instancers(depsgraph)
         self._named: list[int] = []  # rows whose random number comes from their name
-        self.inventory = Inventory([], [], [], [], [], [])
+        scene = depsgraph.scene_eval
+        layer = depsgraph.view_layer_eval, scene, scene.world
+        self.inventory = Inventory([], [], [], [], [], [], layer)
         self.ignored, self.lamp_warnings = LeftOut(), []
 
     def _material_row(self, material) -> int:
@@ -166,7 +174,7 @@ class _Collector:
             self._parts[key] = row, rows
         return self._parts[key]
 
-    def _item(self, obj, owner, modifier) -> _Item:
+    def _item(self, obj, owner, modifier, asked: Asked) -> _Item:
         """Of hundreds of thousands of instances each property of Blender's is asked once."""
         part, data_rows = self._part(obj, owner, modifier)
         slots = () if part is None else self._slots(obj, data_rows)
@@ -182,7 +190,7 @@ class _Collector:
             ROUND if is_round else obj.shadow_terminator_geometry_offset,
             _flags_of(obj),
             tuple(obj.color),
-            dict(obj.items()) if obj.keys() else {},
+            asked,
         )
 
     def _add(self, item, obj, modifier=None):
@@ -195,7 +203,10 @@ class _Collector:
         if own is None:
             if not obj.visible_camera and not obj.visible_shadow:
                 return  # neither a camera ray nor a shadow ray, the only two kinds that there are
-            own = self._items[key] = self._item(obj, owner, modifier)
+            # Of an instance Blender's iterator has a copy, which does not outlive it.
+            lasting = item.instance_object if item.is_instance else obj
+            asked = Asked(lasting, None if owner.original == obj.original else owner)
+            own = self._items[key] = self._item(obj, owner, modifier, asked)
         if own.part is None:
             return
         matrix = np.array(item.matrix_world, np.float64)
@@ -205,7 +216,8 @@ class _Collector:
         if not item.is_instance:
             self._named.append(len(self.inventory.looks))
         number = item.random_id & _WORD if item.is_instance else -1
-        self.inventory.looks.append(Look(own.color, max(number, 0) / _WORD, own.properties))
+        index = outermost_index(item) if self._asks_instancers else -1
+        self.inventory.looks.append(Look(own.color, max(number, 0) / _WORD, own.asked, index))
         self.inventory.instances.append(
             Instance(
                 own.name,

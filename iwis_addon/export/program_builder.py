@@ -103,12 +103,15 @@ class ProgramBuilder:
         return self.run("scale", Color=color, Factor=factor)
 
     def inputs(self, node, groups) -> dict[str, Value]:
-        """All inputs of a node by identifier; those without a value of their own only if linked."""
+        """All inputs of a node by identifier; normals and places of textures only if linked: else
+        they are the surface's own. Sockets that show no value have one all the same."""
         found = {}
         for socket in node.inputs:
             if socket.type not in _TYPES or not (socket.enabled or not socket.is_linked):
                 continue
             value = self.behind(socket, groups, _TYPES[socket.type])
+            if value is None and not _is_the_surfaces(node, socket):
+                value = constant_of(socket)
             if value is not None:
                 found[socket.identifier] = value
         return found
@@ -217,6 +220,13 @@ class ProgramBuilder:
             return np.asarray(FUNCTIONS[kind](None, settings, inputs)[output], np.float32)
         self._ops.append(Op(kind, inputs, settings))
         return Ref(len(self._ops) - 1, output)
+
+
+def _is_the_surfaces(node, socket) -> bool:
+    """Whether an input of which nothing is told is the surface's normal, or a place on it."""
+    if socket.identifier == "Vector":  # of white noise: 0, as in Cycles
+        return "TEX_" in node.type and node.type != "TEX_WHITE_NOISE"
+    return socket.identifier == "Normal"
 
 
 def _text(value) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core.program import Ref
 from .blackbody import blackbody_color, blackbody_settings
+from .object_properties import TABLES
 from .program_images import image_settings
 
 # bl_idname -> properties; the operation has the same name (core/nodes).
@@ -107,10 +108,11 @@ def _attribute(builder, node, groups):
         table = f"attribute:{name}"
         builder.requests.add(table)
         return builder.add_node(node, groups, "attribute", {}, {"table": table})
-    if kind == "OBJECT":
-        builder.requests.add(f"object:{name}")
-        return builder.add_node(node, groups, "object_attribute", {}, {"table": f"object:{name}"})
-    return None
+    if kind not in TABLES:
+        return None
+    settings = {"table": f"{TABLES[kind]}:{name}", "outputs": set()}
+    builder.requests.add(settings["table"])
+    return builder.add_node(node, groups, "object_attribute", {}, settings)
 
 
 def _normal_map(builder, node, groups):

@@ -5,8 +5,11 @@ many instances it has; each triangle of the scene knows its row.
 
     uv:NAME         a UV map; "uv:" is the active one     color:NAME   a colour attribute, likewise
     generated       Blender's generated coordinates       tangent:NAME a UV map's tangents, and sign
-    attribute:NAME  any attribute                         object:NAME  a property of the object
+    attribute:NAME  any attribute
     element:NAME    of points and strands (element_values.py), and of a mesh's shape
+
+A table of objects holds a value for each instance: object:NAME, instancer:NAME and layer:NAME, of
+object_properties.py.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from .element_values import READ, ElementReader
 from .element_values import read_values as _get
 from .instances import Inventory
 from .mesh_shape import islands, pointiness
+from .object_properties import TABLES, InstanceValues, blocks_of, rgba_of
 
 
 def surface_data(
@@ -36,17 +40,17 @@ def surface_data(
     instances = inventory.instances
     wanted = [frozenset().union(*(requests[row] for row in i.slots)) for i in instances]
     names = sorted(frozenset().union(*wanted)) if wanted else []
+    of_objects = {name for name in names if name.partition(":")[0] in TABLES.values()}
     of_part: dict[int, set[str]] = {}
     for instance, some in zip(instances, wanted, strict=True):
-        if some:
-            of_part.setdefault(instance.part, set()).update(some)
-    first, tables = _tables(inventory, of_part, [n for n in names if not n.startswith("object:")])
-    objects = [n for n in names if n.startswith("object:")]
-    tables |= {name: _object_values(inventory, name.partition(":")[2]) for name in objects}
+        if not some <= of_objects:
+            of_part.setdefault(instance.part, set()).update(some - of_objects)
+    first, tables = _tables(inventory, of_part, [n for n in names if n not in of_objects])
     matrices = np.array([i.object_to_world for i in instances]).reshape(-1, 4, 4)
     return SurfaceData(
         row=_rows(inventory, mesh, kept, first),
         tables=tables,
+        object_tables={name: _object_values(inventory, name) for name in of_objects},
         object_to_world=matrices,
         mirrored=np.linalg.det(matrices[:, :3, :3]) < 0.0,
         color=np.array([look.color for look in inventory.looks], np.float32).reshape(-1, 4),
@@ -104,11 +108,16 @@ def _tables(inventory, of_part, names):
 
 
 def _object_values(inventory, name) -> np.ndarray:
+    """float32 (n, 4), by instance. name: a kind of object_properties.py and what it is to find"""
+    kind, _, own = name.partition(":")
+    made, known = InstanceValues(), {}
     values = np.zeros((len(inventory.looks), 4), np.float32)
-    values[:, 3] = 1.0
     for row, look in enumerate(inventory.looks):
-        found = look.properties.get(name, 0.0)
-        values[row, :3] = found if np.ndim(found) == 0 else np.resize(found, 4)[:3]
+        found = made.rgba_of(look.asked, look.index, own) if kind == "instancer" else None
+        key = id(look.asked)  # an object's instances share it
+        if found is None and key not in known:
+            known[key] = rgba_of(blocks_of(kind, look.asked, inventory.layer), own)
+        values[row] = known[key] if found is None else found
     return values
 
 

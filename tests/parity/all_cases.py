@@ -8,6 +8,7 @@ from . import (
     image_cases,
     lamp_cases,
     lit_cases,
+    property_cases,
     texture_cases,
     value_cases,
     view_cases,
@@ -18,6 +19,7 @@ from .cases import CASES
 _FAMILIES = (
     value_cases,
     coordinate_cases,
+    property_cases,
     image_cases,
     texture_cases,
     lit_cases,

@@ -1,0 +1,99 @@
+"""Attribute nodes that read data-blocks and instances; nodes with nothing linked to an input."""
+
+import bpy
+
+from .cases import CASES, Case, lit, shown
+from .scene import Tree
+
+_OF_OBJECTS = {
+    "number": "Fac",
+    "vector": "Color",
+    "color": "Color",
+    "color ": "Alpha",
+    "flag": "Fac",
+    "whole": "Color",
+    "five": "Color",
+    "of the mesh": "Color",
+    "location": "Vector",
+    "rotation_euler[0]": "Fac",
+    "nothing": "Alpha",
+}
+_OF_LAYERS = {"number": "Fac", "of the world": "Color", "frame_current": "Fac", "nothing": "Alpha"}
+
+
+def _with_properties(scene):
+    for k, obj in enumerate(o for o in scene.objects if o.type == "MESH"):
+        obj["number"], obj["vector"] = 0.2 + 0.2 * k, (0.1, 0.3 * k, 0.5)
+        obj["color"], obj["flag"] = (0.1, 0.2, 0.3, 0.3 * k), k == 1
+        obj["whole"], obj["five"] = [k, 1, 2], [0.1, 0.2, 0.3, 0.4, 0.5]
+        obj.data["of the mesh"], obj.data["number"] = 0.3 + 0.1 * k, 0.9
+    scene["number"], scene.world["of the world"] = 0.3, (0.2, 0.3, 0.9)
+    scene.world["number"] = 0.6
+
+
+def _attribute(kind, name, output):
+    def build(scene, tree):
+        _with_properties(scene)
+        node = {"attribute_type": kind, "attribute_name": name.strip()}
+        tree.glow(tree.made("ShaderNodeAttribute", output, **node))
+
+    return build
+
+
+def _instances(scene, tree, name, output):
+    """Cubes on the sphere's vertices, each with a number and a vector of its own."""
+    _with_properties(scene)
+    sphere, cube = scene.objects["Sphere"], scene.objects["Cube"]
+    cube.scale, cube.rotation_euler = (0.06, 0.06, 0.06), (0.0, 0.0, 0.0)
+    group = bpy.data.node_groups.new("Cubes", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    nodes = Tree(group, "NodeGroupOutput")
+    mesh = nodes.made("NodeGroupInput", 0)
+    shown_cube = nodes.node("GeometryNodeObjectInfo")
+    shown_cube.inputs["Object"].default_value = cube
+    shown_cube.inputs["As Instance"].default_value = True
+    on_points = {"Points": mesh, "Instance": shown_cube.outputs["Geometry"]}
+    made = nodes.made("GeometryNodeInstanceOnPoints", 0, on_points)
+    for kind, own in {"FLOAT": "made number", "FLOAT_VECTOR": "made vector"}.items():
+        value = nodes.made("FunctionNodeRandomValue", "Value", data_type=kind)
+        stored = {"data_type": kind, "domain": "INSTANCE"}
+        inputs = {"Geometry": made, "Value": value}
+        made = nodes.made("GeometryNodeStoreNamedAttribute", 0, inputs, **stored)
+        made.node.inputs["Name"].default_value = own
+    nodes.link(made, nodes.output.inputs[0])
+    sphere.modifiers.new("Cubes", "NODES").node_group = group
+    _attribute("INSTANCER", name, output)(scene, tree)
+
+
+for _name, _output in _OF_OBJECTS.items():
+    CASES.append(Case(f"Attribute of an object, {_name}", _attribute("OBJECT", _name, _output)))
+for _name, _output in _OF_LAYERS.items():
+    build = _attribute("VIEW_LAYER", _name, _output)
+    CASES.append(Case(f"Attribute of a view layer, {_name}", build))
+for _name in ("made number", "made vector", "number", "nothing"):
+    for _output in ("Color", "Alpha"):
+        CASES.append(
+            Case(
+                f"Attribute of an instancer, {_name}, {_output}",
+                lambda scene, tree, n=_name, o=_output: _instances(scene, tree, n, o),
+            )
+        )
+
+
+def _beside(tree, output):
+    """An output that is the same everywhere, added to something that is not."""
+    inputs = {0: tree.coordinates(), 1: output}
+    return tree.made("ShaderNodeVectorMath", 0, inputs, operation="ADD")
+
+
+shown("Attribute that is not there, Alpha", lambda t: t.made("ShaderNodeAttribute", "Alpha"))
+for _kind in ("ShaderNodeBump", "ShaderNodeGamma", "ShaderNodeVectorRotate"):
+    shown(f"{_kind[10:]}, no input linked", lambda t, k=_kind: _beside(t, t.made(k, 0)))
+shown(
+    "White Noise, no input linked", lambda t: _beside(t, t.made("ShaderNodeTexWhiteNoise", "Color"))
+)
+lit(
+    "Bump without a height",
+    lambda t: t.made("ShaderNodeBsdfDiffuse", 0, {"Normal": t.made("ShaderNodeBump", 0)}),
+)
