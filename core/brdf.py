@@ -81,8 +81,8 @@ def eval_at(at, wi_x, wi_y, wi_z):
     if at.bump == ZERO:
         return value
     dr, dg, db, gr, gg, gb = value
-    matte, gloss = bump_gain(at, wi_x, wi_y, wi_z)
-    return dr * matte, dg * matte, db * matte, gr * gloss, gg * gloss, gb * gloss
+    matte = bump_gain(at, wi_x, wi_y, wi_z)
+    return dr * matte, dg * matte, db * matte, gr, gg, gb
 
 
 @kernel(forceinline=True)
@@ -100,7 +100,8 @@ def eval_facets_at(at, gaussian, wi_x, wi_y, wi_z):
     if at.kind <= DIFFUSE_LOBE:
         return dr, dg, db, ZERO, ZERO, ZERO
     cos_i = dot_xyz(at.glossy_normal, wi_x, wi_y, wi_z)
-    if cos_i <= ZERO or cos_n <= ZERO:
+    # A map may turn the normal so far that gloss, whose normal is turned back, lies below it.
+    if cos_i <= ZERO or (cos_n <= ZERO and at.bump == ZERO):
         return dr, dg, db, ZERO, ZERO, ZERO
     sin2, _, cos_h = _half_angles(at, wi_x, wi_y, wi_z)
     alpha2 = at.alpha * at.alpha

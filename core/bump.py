@@ -1,7 +1,8 @@
-"""What a surface reflects whose normal a map has turned: bump shadowing, as in Cycles.
+"""What a matte surface reflects whose normal a map has turned: bump shadowing, as in Cycles.
 
 Nothing comes from below the smooth surface, and grazing light is shadowed as by the facets of a GGX
-surface that is as rough as the normal is turned [Estevez19].
+surface that is as rough as the normal is turned [Estevez19]. Gloss is not shadowed: its normal is
+turned back until it mirrors wo to above the face (glossy_normal.py).
 """
 
 from __future__ import annotations
@@ -25,9 +26,9 @@ def turns(smooth: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 @kernel(forceinline=True)
 def bump_gain(at, wi_x, wi_y, wi_z):
-    """What is left of (Lambert's, glossy) light from wi; at: smooth and bump as of LobesAt."""
+    """What is left of Lambert's light from wi; at: smooth and bump as of LobesAt."""
     cosine = at.smooth[0] * wi_x + at.smooth[1] * wi_y + at.smooth[2] * wi_z
     if cosine <= ZERO:
-        return ZERO, ZERO
+        return ZERO
     slope2 = at.bump * (ONE / (cosine * cosine) - ONE)
-    return TWO / (ONE + math.sqrt(ONE + max(slope2, ZERO))), ONE
+    return TWO / (ONE + math.sqrt(ONE + max(slope2, ZERO)))

@@ -126,12 +126,11 @@ def _weigh_measured(at, share, numbers, s, end):
 
 @kernel
 def _shadow_bumps(at, numbers, s, end):
-    """Take from the lanes of a point what a turned normal cannot reflect."""
+    """Take from the lanes of a point what a turned normal leaves in the shadow of bumps."""
     for k in range(s, end):
-        matte, gloss = bump_gain(at, numbers[DX + k], numbers[DY + k], numbers[DZ + k])
+        matte = bump_gain(at, numbers[DX + k], numbers[DY + k], numbers[DZ + k])
         for c in range(3):
             numbers[DIFFUSE + LANES * c + k] *= matte
-            numbers[GLOSSY + LANES * c + k] *= gloss
 
 
 @kernel

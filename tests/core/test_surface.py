@@ -10,6 +10,7 @@ from iwis.core.nodes.layers import through_glass, under_coat
 from iwis.core.program import Closure, Op, Program, Ref
 from iwis.core.scene import DIFFUSE, GGX, GLOSSY, TRANSLUCENT, EnvironmentMap
 from iwis.core.surface import closure_layers, surface_lobes
+from support.brdf_points import evaluated, sphere_quadrature
 from support.programs import with_programs
 from support.samplers import pixel_points
 from support.scenes import (
@@ -96,6 +97,23 @@ def test_turned_normal_is_corrected_or_not(corrects):
     turned = np.abs(lobes.glossy_normal - lobes.normal).max(axis=1) > 1e-3
     assert turned.any() == corrects
     assert lobes.bump.any() == corrects
+
+
+def test_gloss_does_not_know_from_how_far_its_normal_was_turned_back():
+    """As in Cycles: one reflection for all normals beyond the last that mirrors the view out."""
+    wi, _ = sphere_quadrature()
+    found = []
+    for degrees in (60.0, 85.0):
+        turn = np.radians(degrees)
+        normal = np.float32([np.sin(turn), 0.0, np.cos(turn)])
+        closure = Closure(GLOSSY, GGX, _ONE, {"base_color": _ONE}, normal)
+        scene = _one_program(Program(ops=(), closures=(closure,)), glossy(0.4))
+        lobes = surface_lobes(scene, pixel_points(scene).points)[1]
+        k = int(np.argmin(lobes.wo[:, 0]))  # seen from the other side: both are turned back
+        assert lobes.glossy_normal[k, 2] > normal[2] + 0.01
+        found.append(evaluated(lobes, k, wi)[:, 3])
+    assert found[0].max() > 0.01
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-3, atol=1e-5)
 
 
 @pytest.mark.parametrize("corrects", (True, False))

@@ -289,6 +289,15 @@ def _coarse(name, make):
     CASES.append(Case(f"{name}, coarse and smooth", build, lit=True, samples=(512, 512)))
 
 
+def _turned(tree, normal):
+    """A metal all of whose normals are one, wherever its surface faces."""
+    color = tuple(0.5 + 0.5 * x for x in normal)
+    turned = tree.made("ShaderNodeNormalMap", 0, {"Color": color}, space="WORLD")
+    return tree.made("ShaderNodeBsdfAnisotropic", 0, {"Roughness": 0.4, "Normal": turned})
+
+
+for _axis, _normal in {"X": (1, 0, 0), "Y": (0, 1, 0), "-Y": (0, -1, 0), "-Z": (0, 0, -1)}.items():
+    lit(f"Glossy, all normals are {_axis}", lambda t, n=_normal: _turned(t, n))
 _coarse("Diffuse", _diffuse)
 _coarse("Glossy", _glossy)
 _coarse("Translucent", _translucent)
