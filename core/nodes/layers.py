@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from ..rows import row_maxima
-from ..scene import GGX, PRINCIPLED, MaterialParams
+from ..scene import GGX, MULTI_GGX, PRINCIPLED, MaterialParams
 from .values import as_number, as_vector, column, dot, normalized
 
 _LEAST_IOR = np.float32(1.0)
 
 
-def _albedo(context, ior, roughness, normal, wo=None) -> np.ndarray:
-    """float32 (n,): of all light, what a clear coat reflects to the viewer, or to wo."""
+def _albedo(context, distribution, ior, roughness, normal, wo=None) -> np.ndarray:
+    """float32 (n,): of all light, what a clear layer reflects to the viewer, or to wo."""
     from ..lobe_setup import setup_lobes  # kernels: the exporters load without numba
 
     n = len(context)
     white, black = np.ones((n, 3), np.float32), np.zeros((n, 3), np.float32)
     coat = MaterialParams(
         model=np.full(n, PRINCIPLED, np.int8),
-        distribution=np.full(n, GGX, np.int8),
+        distribution=np.full(n, distribution, np.int8),
         base_color=black,
         metallic=np.zeros(n, np.float32),
         roughness=roughness,
@@ -44,7 +44,7 @@ def under_coat(context, settings, inputs):
     share = np.maximum(as_number(inputs["Coat"], n), 0.0)
     ior, roughness = as_number(inputs["IOR"], n), as_number(inputs["Roughness"], n)
     normal = as_vector(inputs.get("Normal", context.normal), n)
-    left = np.clip(1.0 - share * _albedo(context, ior, roughness, normal), 0.0, 1.0)
+    left = np.clip(1.0 - share * _albedo(context, MULTI_GGX, ior, roughness, normal), 0.0, 1.0)
     cosine = dot(context.wo, normal)
     sine2 = (1.0 - cosine * cosine) / np.maximum(ior, _LEAST_IOR) ** 2
     depth = 1.0 / np.sqrt(np.maximum(1.0 - sine2, 1e-6))
@@ -81,7 +81,7 @@ def through_glass(context, settings, inputs):
     ior, roughness = as_number(inputs["IOR"], n), as_number(inputs["Roughness"], n)
     normal = as_vector(inputs.get("Normal", context.normal), n)
     wo = context.geometric_normal if context.shadow else None
-    left = np.clip(1.0 - _albedo(context, ior, roughness, normal, wo), 0.0, 1.0)
+    left = np.clip(1.0 - _albedo(context, GGX, ior, roughness, normal, wo), 0.0, 1.0)
     inside = np.float32(0.0)
     if not context.shadow:
         inside = np.float32(context.backfacing)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.program import Closure, Value
-from ...core.scene import DIFFUSE, GGX, GLOSSY, PRINCIPLED, SHEEN, VELVET_SHEEN
+from ...core.scene import DIFFUSE, GLOSSY, MULTI_GGX, PRINCIPLED, SHEEN, VELVET_SHEEN
 from .clear_shaders import ClearShaders
 from .node_values import follow
 from .program_builder import ProgramBuilder
@@ -151,7 +151,8 @@ class ShaderReader(ClearShaders):
             "specular_tint": WHITE,
         }
         normal = self._builder.normal(node, "Coat Normal", groups)
-        self.parts.closures.append(Closure(PRINCIPLED, GGX, coat, params, normal))
+        # Cycles gives the coat its later bounces whatever the node's distribution.
+        self.parts.closures.append(Closure(PRINCIPLED, MULTI_GGX, coat, params, normal))
         inputs = {"Weight": weight, "Coat": share, "Tint": color(node, "Coat Tint", groups)}
         inputs |= {"IOR": params["ior"], "Roughness": params["roughness"]}
         if normal is not None:

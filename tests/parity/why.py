@@ -18,10 +18,7 @@ _ALONG = "where the tangent is along the normal (the floor) Cycles is black, IWI
 
 _AT_THE_LIMIT = "at the limit, by noise: .6 % in other runs; means of many agree to .3 %"
 
-_BOTH = "light at the rims that Cycles weighs by the densities of all closures, IWIS of each alone"
-
 WHY = {
-    "Principled, coat, coarse and smooth": _BOTH,
     "Emissive image, sharp, on 101 760 faces": _AT_THE_LIMIT,
     "Tangent, radial X": _ALONG,
     "Tangent, radial Y": _ALONG,
