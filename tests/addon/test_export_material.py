@@ -308,3 +308,4 @@ def test_coat_lies_over_the_rest(build):
     np.testing.assert_allclose(coat.weight, [0.5] * 3)
     np.testing.assert_allclose([coat.params["roughness"], coat.params["ior"]], [0.2, 1.6])
     assert not coat.params["base_color"].any() and isinstance(base.weight, Ref)
+    assert coat.distribution == MULTI_GGX  # whatever the node's own, as in Cycles
