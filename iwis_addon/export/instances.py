@@ -124,7 +124,7 @@ class _Collector:
         self._material_rows: dict[int, int] = {}
         self._parts: dict[tuple, tuple[int | None, list[int]]] = {}
         self._items: dict[tuple, _Item] = {}
-        self._asks_instancers = asks_instancers(depsgraph)
+        self._asks_instancers = asks_instancers()
         self._named: list[int] = []  # rows whose random number comes from their name
         scene = depsgraph.scene_eval
         layer = depsgraph.view_layer_eval, scene, scene.world

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
+import bpy
 import numpy as np
 
 from .element_values import attribute_of, attribute_values
@@ -45,11 +46,10 @@ def blocks_of(kind: str, asked: Asked, layer: tuple) -> list:
     return [asked.instancer, *own] if kind == "instancer" and asked.instancer else own
 
 
-def asks_instancers(depsgraph) -> bool:
-    """Whether a tree of the graph has an Attribute node for instances' own values."""
-    trees = [block for block in depsgraph.ids if block.id_type == "NODETREE"]
-    materials = [block for block in depsgraph.ids if block.id_type == "MATERIAL"]
-    trees += [material.node_tree for material in materials if material.node_tree is not None]
+def asks_instancers() -> bool:
+    """Whether a material of the file has an Attribute node for instances' own values."""
+    trees = [material.node_tree for material in bpy.data.materials if material.node_tree]
+    trees += [tree for tree in bpy.data.node_groups if tree.type == "SHADER"]
     kinds = [
         node.attribute_type
         for tree in trees
