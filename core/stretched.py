@@ -100,12 +100,25 @@ def pdf_stretched(at, wi_x, wi_y, wi_z):
     return ZERO
 
 
+def mean_roughness(roughness: np.ndarray, grain: np.ndarray) -> np.ndarray:
+    """float32 (n,): of the round facets that hide as much of each other, by both widths' mean.
+
+    As in Cycles, what a surface reflects in all is read off for these. A width ends at 1: the
+    rougher a surface is, the less is it stretched. grain: of stretch_lobes
+    """
+    alpha = np.clip(roughness, ZERO, ONE) ** 2
+    ratio = np.sqrt(grain[:, 0] ** 2 + grain[:, 1] ** 2 + grain[:, 2] ** 2)
+    ratio = np.where(ratio > ZERO, ratio, ONE)
+    wide, narrow = (np.clip(x, MIN_ALPHA, ONE) for x in (alpha * ratio, alpha / ratio))
+    return np.float32(np.where(ratio == ONE, roughness, (wide * narrow) ** 0.25))
+
+
 @kernel
-def stretch_lobes(lobes, grain):
+def stretch_lobes(lobes, roughness, grain):
     """Stretch the gloss of points.
 
-    lobes: Lobes of round gloss, written to; grain: float32 (n, 3), along the tangent, as long as
-    the root of alpha_x / alpha_y; 0 = round
+    lobes: Lobes of round gloss of mean_roughness, written to; roughness: float32 (n,), their own
+    grain: float32 (n, 3), along the tangent, as long as the root of alpha_x / alpha_y; 0 = round
     """
     for p in range(len(grain)):
         g, n = grain[p], lobes.glossy_normal[p]
@@ -116,7 +129,8 @@ def stretch_lobes(lobes, grain):
         if ratio <= ZERO or length <= np.float32(1e-6) * ratio or lobes.cos_o[p] <= ZERO:
             continue
         side = (side[0] / length, side[1] / length, side[2] / length)
-        alpha = lobes.alpha[p]
+        alpha = min(max(roughness[p], ZERO), ONE)
+        alpha *= alpha
         wide = min(max(alpha * ratio, MIN_ALPHA), ONE)
         narrow = min(max(alpha / ratio, MIN_ALPHA), ONE)
         if wide == narrow:

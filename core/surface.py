@@ -22,7 +22,7 @@ from .rows import any_in_row, row_means, rows_of
 from .scene import DIFFUSE, SHEEN, TRANSLUCENT, VELVET_SHEEN, MaterialParams, Scene
 from .shading import ShadingPoints, params_at
 from .sheen import set_sheen
-from .stretched import stretch_lobes
+from .stretched import mean_roughness, stretch_lobes
 
 _VECTORS = ("base_color", "specular_tint")  # columns of MaterialParams
 
@@ -101,15 +101,18 @@ class _Columns:
 
     def _lobes(self) -> Lobes:
         points, weight = self.points, self.weight
-        own = self.params, self.normal, points.geometric_normal, points.wo
+        params, brushed = self.params, self._grain.any()
+        if brushed:
+            params = params._replace(roughness=mean_roughness(params.roughness, self._grain))
+        own = params, self.normal, points.geometric_normal, points.wo
         lobes = setup_lobes(*own, self._measured, self._as_turned)
         if self._maps_normals:  # below the surface: lit by what no light comes from, as in Cycles
             lobes.diffuse[dot(points.normal, lobes.normal) < 0.0] = 0.0
         if self._sheen.any():
             roughness = self.params.roughness
             set_sheen(lobes, self._sheen == SHEEN, self._sheen == VELVET_SHEEN, roughness)
-        if self._grain.any():
-            stretch_lobes(lobes, self._grain)
+        if brushed:
+            stretch_lobes(lobes, self.params.roughness, self._grain)
         if self._turned.any():
             bump = np.where(self._turned, turns(points.normal, lobes.normal), np.float32(0.0))
             lobes = lobes._replace(smooth=points.normal, bump=bump)

@@ -216,6 +216,7 @@ _BRUSHED = {
     "Principled, brushed metal": {"Anisotropic": 0.8, "Roughness": 0.3},
     "Principled, brushed and turned": {"Anisotropic": 0.5, "Anisotropic_Rotation": 0.15},
     "Principled, brushed as far as can be": {"Anisotropic": 1.0},
+    "Principled, brushed and rough": {"Anisotropic": 0.9, "Roughness": 1.0},
 }
 for _name, _values in _BRUSHED.items():
     lit(_name, principled(**{"Metallic": 1.0, "Roughness": 0.4} | _values))
@@ -246,6 +247,10 @@ def _tangent_of(**settings):
 for _kind in ("GGX", "BECKMANN", "MULTI_GGX"):
     lit(f"Glossy, brushed, {_kind}", _brushed("Anisotropic", _kind))
     lit(f"Glossy, brushed across, {_kind}", _brushed("Anisotropic", _kind, Anisotropy=-0.5))
+lit(
+    "Glossy, brushed and rough",
+    _brushed("Anisotropic", "MULTI_GGX", Anisotropy=0.8, Roughness=0.8),
+)
 lit("Metallic, brushed", _brushed("Metallic"))
 for _axis in "XYZ":
     _tangent = _tangent_of(direction_type="RADIAL", axis=_axis)
