@@ -156,7 +156,8 @@ def main() -> int:
         sys.stderr.write(f"{' and '.join(missing)} not found: install linux-perf and binutils\n")
         return 1
     if not options.warm_up:  # numba keeps no machine code of kernels that it has just compiled
-        subprocess.run([sys.executable, *sys.argv, "--warm-up"], check=True)
+        again = [sys.executable, *sys.argv, "--warm-up"]
+        subprocess.run(again, check=True, stdout=subprocess.DEVNULL)
     kept, columns = KeptCode(), {}
     changes = {"max_samples": options.samples}
     changes |= {"pixel_filter": "CENTER"} if options.center else {}
