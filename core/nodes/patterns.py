@@ -101,9 +101,13 @@ _MAGIC = (
 
 
 def magic(context, settings, inputs):
+    """settings: turbulence_depth; scaled_first: before places are taken modulo a turn"""
     n, depth = len(context), settings["turbulence_depth"]
     scale, distortion = as_number(inputs["Scale"], n), as_number(inputs["Distortion"], n)
-    px, py, pz = (np.fmod(a, _TURN) for a in parts(_place(context, inputs)))
+    place = _place(context, inputs)
+    if settings["scaled_first"]:
+        place, scale = place * column(scale), np.float32(1.0)
+    px, py, pz = (np.fmod(a, _TURN) for a in parts(place))
     values = [
         np.sin((px + py + pz) * 5.0 * scale),
         np.cos((-px + py - pz) * 5.0 * scale),

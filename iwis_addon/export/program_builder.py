@@ -203,6 +203,8 @@ class ProgramBuilder:
         if kind == "ShaderNodeTexVoronoi" and bpy.app.version < (5, 0):
             self.reader.warn(node, "cells lie as in Cycles of Blender 5, not of this version")
         settings = {name: getattr(node, name) for name in SETTINGS[kind] if hasattr(node, name)}
+        if kind == "ShaderNodeTexMagic":  # as Cycles of this version
+            settings["scaled_first"] = bpy.app.version >= (5, 0)
         if kind not in PURE:
             settings["outputs"] = set()
         inputs = self.inputs(node, groups)

@@ -112,6 +112,10 @@ for _depth in (0, 2, 5, 10):
         f"Magic {_depth}",
         _texture("ShaderNodeTexMagic", 0, turbulence_depth=_depth, Scale=0.7, Distortion=1.2),
     )
+shown(
+    "Magic, far from the origin",
+    lambda t: t.made("ShaderNodeTexMagic", 0, {"Vector": t.coordinates("Camera"), "Scale": 1.367}),
+)
 shown("Brick", _texture("ShaderNodeTexBrick", 0, Scale=1.5))
 shown(
     "Brick squashed",
