@@ -280,36 +280,3 @@ HOLES = {
 }
 for _name, _make in HOLES.items():
     cases.CASES.append(cases.Case(_name, _held_out(_make), lit=True, blurred=True, with_alpha=True))
-
-
-def _coarse(name, make):
-    """The cube and the floor are smooth too: normals are turned far from their faces."""
-
-    def build(scene, tree):
-        for obj in scene.objects:
-            if obj.type == "MESH":
-                obj.data.shade_smooth()
-        tree.surface(make(tree))
-
-    CASES.append(Case(f"{name}, coarse and smooth", build, lit=True, samples=(512, 512)))
-
-
-def _turned(tree, normal):
-    """A metal all of whose normals are one, wherever its surface faces."""
-    color = tuple(0.5 + 0.5 * x for x in normal)
-    turned = tree.made("ShaderNodeNormalMap", 0, {"Color": color}, space="WORLD")
-    return tree.made("ShaderNodeBsdfAnisotropic", 0, {"Roughness": 0.4, "Normal": turned})
-
-
-for _axis, _normal in {"X": (1, 0, 0), "Y": (0, 1, 0), "-Y": (0, -1, 0), "-Z": (0, 0, -1)}.items():
-    lit(f"Glossy, all normals are {_axis}", lambda t, n=_normal: _turned(t, n))
-_coarse("Diffuse", _diffuse)
-_coarse("Glossy", _glossy)
-_coarse("Translucent", _translucent)
-_coarse("Principled, coat", principled(Base_Color=RED, Coat_Weight=1.0, Coat_Roughness=0.3))
-_coarse("Principled, sheen", principled(Base_Color=RED, Sheen_Weight=1.0))
-for _model in ("MICROFIBER", "ASHIKHMIN"):
-    _coarse(
-        f"Sheen BSDF {_model}",
-        lambda t, m=_model: t.made("ShaderNodeBsdfSheen", 0, distribution=m),
-    )
