@@ -16,12 +16,12 @@ from iwis.core import reference
 from iwis.core.camera import camera_rays
 from iwis.core.incremental import sample_points
 from iwis.core.lobe_setup import setup_lobes
-from iwis.core.render import tile_rects
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import Scene
 from iwis.core.sequence import common_points, pixel_sequence
 from iwis.core.settings import RenderSettings
 from iwis.core.shading import ShadingPoints, params_at, shading_points
+from iwis.core.tiles import tile_rects
 
 SHARES = {
     "light": reference.LIGHT_SAMPLING,

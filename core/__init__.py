@@ -30,7 +30,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     unbiased_rays
     two_stage, tile_job, render_cache, loop_types    9  another one; a tile's work; what is kept
     merged_layers, tile_lamps, budget, warm_up,     10  closures together; BUDGET
-    silhouettes, time_slices, ambient_occlusion, early_kernels
+    silhouettes, time_slices, ambient_occlusion, early_kernels, tiles
     pass_samples, pass_plan                         11  passes of a tile, how many are wanted
     center_tile, filtered_tile                      12  one shading point a pixel, several
     render                                          13  the entry point

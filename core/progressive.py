@@ -19,12 +19,13 @@ from typing import NamedTuple
 import numpy as np
 
 from .film import LAYERS
-from .render import make_tile, tile_rects, worker_count
+from .render import make_tile, worker_count
 from .render_cache import RenderCache
 from .scene import Camera, Scene
 from .sequence import common_points
 from .settings import RenderSettings
 from .tile_job import Job, TileWork
+from .tiles import tile_rects
 from .watch import Cancelled, StopFlag
 
 # Pixels of the frame to either side of one pixel of a picture, the finest first.

@@ -24,12 +24,10 @@ from .settings import RenderSettings
 from .stats import RenderStats
 from .tile_job import Job, Rect, TileWork
 from .tile_pool import run_pool
+from .tiles import tile_plan
 from .time_slices import with_slices
 from .warm_up import warm_up
 from .watch import Cancelled, StopFlag, watched
-
-# Tiles under a thread's hands one after another; the last ones are waited for by all others.
-_TILES_A_THREAD, _LEAST_TILE = 8, 8
 
 
 def render(
@@ -126,31 +124,12 @@ def _prepare_light(scene, settings, sink, cache, stop, stats) -> tuple[Light, Pa
     return watched(work, sink, stop, "tables") or (None, None)
 
 
-def tile_size(job: Job, threads: int) -> int:
-    """tile_px, or less where a picture would have too few tiles to keep all threads busy."""
-    x0, y0, x1, y1 = job.scene.camera.region
-    size = job.settings.tile_px
-    while size >= 2 * _LEAST_TILE and (x1 - x0) * (y1 - y0) < _TILES_A_THREAD * threads * size**2:
-        size //= 2
-    return size
-
-
-def tile_rects(region: tuple[int, int, int, int], tile_px: int) -> list[Rect]:
-    """The tiles that cover a region, those at its centre first."""
-    x0, y0, x1, y1 = region
-    rects = []
-    for y in range(y0 - y0 % tile_px, y1, tile_px):
-        for x in range(x0 - x0 % tile_px, x1, tile_px):
-            left, low = max(x, x0), max(y, y0)
-            right, top = min(x + tile_px, x1), min(y + tile_px, y1)
-            rects.append(Rect(left, low, right - left, top - low))
-    middle_x, middle_y = (x0 + x1) / 2, (y0 + y1) / 2
-    rects.sort(key=lambda r: (r[0] + r[2] / 2 - middle_x) ** 2 + (r[1] + r[3] / 2 - middle_y) ** 2)
-    return rects
+def _plan(job: Job, threads: int) -> list[Rect]:
+    return tile_plan(job.scene.camera.region, job.settings.tile_px, threads)
 
 
 def _render_tiles(job: Job, threads: int, sink: TileSink, stats: RenderStats) -> None:
-    rects = tile_rects(job.scene.camera.region, tile_size(job, threads))
+    rects = _plan(job, threads)
 
     def work(rect):
         tile = make_tile(job, rect)
@@ -173,7 +152,7 @@ def _render_tiles(job: Job, threads: int, sink: TileSink, stats: RenderStats) ->
 
 
 def _render_budget(job: Job, threads: int, sink: TileSink, stats: RenderStats) -> None:
-    rects = tile_rects(job.scene.camera.region, tile_size(job, threads))
+    rects = _plan(job, threads)
     tiles = [make_tile(job, rect) for rect in rects]
     if job.settings.time_limit:
         with stats.phase("tables"):

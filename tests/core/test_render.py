@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from iwis.core.film import LAYERS, Film
-from iwis.core.render import prepare_tables, render, tile_rects, worker_count
+from iwis.core.render import prepare_tables, render, worker_count
 from iwis.core.render_cache import RenderCache
 from iwis.core.settings import RenderSettings
 from support.scenes import (
@@ -148,23 +148,6 @@ def test_no_layer_holds_nan_or_infinity(estimator, pictures):
     layers = pictures.standard(estimator)
     _assert_finite(layers)
     assert (layers["visibility"] <= 1.0).all() and (layers["combined"] >= 0.0).all()
-
-
-def test_tile_rects_cover_the_region_once():
-    """Every pixel in one tile, none outside; those at the centre come first."""
-    for region in ((0, 0, 40, 28), (3, 7, 4, 8), (5, 0, 37, 65)):
-        x0, y0, x1, y1 = region
-        for tile_px in (8, 32, 256):
-            count = np.zeros((y1, x1), int)
-            rects = tile_rects(region, tile_px)
-            for x, y, width, height in rects:
-                count[y : y + height, x : x + width] += 1
-            assert (count[y0:y1, x0:x1] == 1).all() and count.sum() == (x1 - x0) * (y1 - y0)
-            middle = [
-                (x + w / 2 - (x0 + x1) / 2) ** 2 + (y + h / 2 - (y0 + y1) / 2) ** 2
-                for x, y, w, h in rects
-            ]
-            assert middle == sorted(middle)
 
 
 def test_worker_count_is_the_setting_or_the_cores():
