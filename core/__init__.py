@@ -4,7 +4,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
 
     _parts, addresses                               -1  how kernels are put together; raw memory
     _jit, settings, program, lamps, object_motion,   0  how kernels are kept; all defaults
-    compile_apart, rows
+    compile_apart, rows, turns
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers, triangle_pairs,

@@ -20,6 +20,7 @@ from .embree_rays import ALL_COLORS, NOTHING, Traversal, occluded_block, occlude
 from .scene import TriangleMesh
 from .terminator import lift_share
 from .triangle_pairs import Pairs, count_as_triangles, paired
+from .turns import aside
 from .watch import Cancelled
 
 log = logging.getLogger(__name__)
@@ -85,6 +86,7 @@ class Accel:
         to_triangles(self.pairs, hit, u, v)
         return hit, u, v
 
+    @aside()
     def occluded(
         self, origins: np.ndarray, directions: np.ndarray, out=None, reach=None, towards=None
     ) -> np.ndarray:
@@ -115,6 +117,7 @@ def to_triangles(pairs: Pairs | None, hit: np.ndarray, u: np.ndarray, v: np.ndar
         count_as_triangles(pairs.first, pairs.turn, hit, u, v)
 
 
+@aside()
 def nearest_hits(traversal: Traversal, origins: np.ndarray, directions: np.ndarray):
     """Embree's own (face, u, v) of the nearest hits, and the instance's number, int32 (n,)."""
     n = len(origins)

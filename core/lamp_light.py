@@ -27,6 +27,7 @@ from .pixel_filter import LAMPS, point_of_pixel
 from .pyramid import luminance
 from .scene import ROUND
 from .shading import ShadingPoints
+from .turns import aside
 
 # Columns of a point's light: (r, g, b) by the diffuse lobe, by the glossy one, and the luminance of
 # all, were nothing between the lamps and the point.
@@ -269,6 +270,7 @@ def _add(rays, n, blocked, sums):
                 sums[p, 3 + color] += rays.light[k, 3 + color]
 
 
+@aside()
 def add_lamp_light(
     points: ShadingPoints, lobes: Lobes, lamps: Lamps, accel: Accel, samples: LampSamples, sums
 ) -> int:

@@ -26,6 +26,7 @@ from .sequence import common_points
 from .settings import RenderSettings
 from .tile_job import Job, TileWork
 from .tiles import tile_rects
+from .turns import Turns
 from .watch import Cancelled, StopFlag
 
 # Pixels of the frame to either side of one pixel of a picture, the finest first.
@@ -168,6 +169,8 @@ def _coarse_picture(job: Job, step: int, pace: Pace) -> Picture:
 def _advance(works: list[TileWork], samples: int, picture: Picture, job: Job) -> Iterator[bool]:
     """Take tiles on in threads, write each into the picture; yield whether each is done."""
     waiting, finished = queue.SimpleQueue(), queue.SimpleQueue()
+    count = min(worker_count(job.settings), len(works))
+    turns = Turns(count)
     for work in works:
         waiting.put(work)
 
@@ -175,9 +178,10 @@ def _advance(works: list[TileWork], samples: int, picture: Picture, job: Job) ->
         try:
             while not job.stop.is_set():
                 work = waiting.get_nowait()
-                done = work.advance(samples)
-                _write(work, picture)
-                work.rest()
+                with turns.taken():
+                    done = work.advance(samples)
+                    _write(work, picture)
+                    work.rest()
                 finished.put((work, done))
         except queue.Empty:
             pass
@@ -186,7 +190,6 @@ def _advance(works: list[TileWork], samples: int, picture: Picture, job: Job) ->
         finally:
             finished.put(None)
 
-    count = min(worker_count(job.settings), len(works))
     threads = [
         threading.Thread(target=work_on, name=f"iwis-view-{k}", daemon=True) for k in range(count)
     ]

@@ -36,6 +36,7 @@ from .settings import RenderSettings
 from .shading import ShadingPoints, find_within, params_at
 from .stop_rule import Rule, asks_neighbours
 from .surface import closure_layers, surface_lobes
+from .turns import aside
 from .unbiased_rays import UnbiasedSampler
 from .watch import StopFlag
 
@@ -234,6 +235,7 @@ def frame_places(rect: Rect, pixel: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return columns + np.int32(rect.x), rows + np.int32(rect.y)
 
 
+@aside()
 def _add_by_products(job, seen, places, sequence, sums, bounds, rule, guides) -> int:
     if not compile_apart.wait(job.stop.is_set):
         return 0
@@ -255,6 +257,7 @@ def _room(glossy: bool) -> Room:
     return rooms[name]
 
 
+@aside()
 def _add_by_rays(job, seen, places, sequence, sums, bounds, rule, _) -> int:
     """By a sampler that writes its rays: mode PAPER's, or where the Accel wants to see them."""
     traced = 0

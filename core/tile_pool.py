@@ -8,6 +8,8 @@ from __future__ import annotations
 import queue
 import threading
 
+from .turns import Turns
+
 # How long the caller's thread waits for a result before it asks whether to stop.
 _POLL_SECONDS = 0.01
 _ENDED = object()  # what a worker says last
@@ -24,11 +26,12 @@ def run_pool(items, threads: int, work, take, cancelled, stop) -> bool:
     waiting: queue.SimpleQueue = queue.SimpleQueue()
     for item in items:
         waiting.put(item)
-    n = waiting.qsize()
+    threads = min(threads, waiting.qsize())
+    turns = Turns(threads)
     finished: queue.SimpleQueue = queue.SimpleQueue()
     workers = [
-        threading.Thread(target=_work, args=(waiting, work, finished, stop), daemon=True)
-        for _ in range(min(threads, n))
+        threading.Thread(target=_work, args=(waiting, work, finished, stop, turns), daemon=True)
+        for _ in range(threads)
     ]
     for k, worker in enumerate(workers):
         worker.name = f"iwis-{k}"
@@ -45,10 +48,13 @@ def run_pool(items, threads: int, work, take, cancelled, stop) -> bool:
     return was_cancelled
 
 
-def _work(waiting, work, finished, stop) -> None:
+def _work(waiting, work, finished, stop, turns) -> None:
     try:
         while not stop.is_set():
-            finished.put(work(waiting.get_nowait()))
+            item = waiting.get_nowait()
+            with turns.taken():
+                result = work(item)
+            finished.put(result)
     except queue.Empty:
         pass
     except BaseException as error:  # raised again in the caller's thread

@@ -14,7 +14,7 @@ _LEAST_TILE, _LEAST_PART = 8, 32  # pixels; parts that are smaller cost more tha
 
 
 def tile_plan(region: tuple[int, int, int, int], tile_px: int, threads: int) -> list[Rect]:
-    """The tiles of a render in the order of work: with a side of tile_px, or less for few pixels."""
+    """A render's tiles in the order of work, with sides of tile_px; less for few pixels."""
     size = _tile_size(region, tile_px, threads)
     rects = tile_rects(region, size)
     if threads == 1 or size < 2 * _LEAST_PART:
