@@ -3,7 +3,8 @@
 A catcher shows the world behind it, times s: of the light that it reflects, the part that arrives
 where the other objects stand (Cycles' Shadow Catcher pass); the picture takes the mean of s over
 its colours, as Cycles' does. In a transparent film it is black with the opacity 1 - s. What it is
-made of says only how light from different sides counts.
+made of says only how light from different sides counts. A holdout is black, with the opacity 0 in
+any film.
 """
 
 from __future__ import annotations
@@ -87,8 +88,6 @@ def show_caught(
         for name in ("combined", "diffuse_direct", "glossy_direct", "emission"):
             flat = layers[name].reshape(-1, layers[name].shape[2])
             flat[place[rows]] = 0.0
-            if name == "combined" and not scene.transparent_film:
-                flat[place[rows], 3] = 1.0
     share = arriving((sums.diffuse + sums.glossy)[caught], sums.unoccluded[caught])
     behind = world.radiance(-points.wo[caught]) * points.through[caught] * scene.exposure
     behind = behind * np.float32(scene.environment.visible_to_camera)
@@ -97,7 +96,7 @@ def show_caught(
 
 
 def _write(scene, layers, where, share, behind, part, opaque) -> None:
-    """Add a share of what is behind, or opacity, of a part of pixels; write the layer there.
+    """Add a share of what is behind and opacity, of a part of pixels; write the layer there.
 
     opaque: of the pixels, what panes before the catchers have taken of the light
     """
@@ -107,4 +106,5 @@ def _write(scene, layers, where, share, behind, part, opaque) -> None:
         combined[where, 3] += part[:, 0] * (1.0 - gray) + opaque * gray
     else:
         combined[where, :3] += behind * gray[:, None]
+        combined[where, 3] += part[:, 0]
     layers["shadow_catcher"].reshape(-1, 3)[where] = 1.0 + part * (share - 1.0)

@@ -191,11 +191,9 @@ def filtered_layers(
         _flat(layers, name)[:] = value
     combined = _flat(layers, "combined")
     combined[:, :3] = light["diffuse"] + light["glossy"] + light["emission"]
-    if scene.transparent_film:
-        combined[:, 3] = (sums.hits + sums.opaque) / passes[:, 0]
-    else:
+    combined[:, 3] = (sums.hits + sums.opaque) / passes[:, 0]
+    if not scene.transparent_film:
         combined[:, :3] += values["environment"]
-        combined[:, 3] = 1.0
     return layers
 
 

@@ -249,7 +249,8 @@ class FilteredTile:
         if not looks.all():
             np.add.at(self._sums.opaque, pixels[~looks], np.float32(1.0))
             pixels, directions, tints = rows_of((pixels, directions, tints), looks)
-        np.add.at(self._sums.opaque, pixels, opacity_of(tints))
+        film = opacity_of(tints) if self._job.scene.transparent_film else np.float32(1.0)
+        np.add.at(self._sums.opaque, pixels, film)
         if not len(pixels) or not scene.environment.visible_to_camera:
             return
         radiance = self._job.seen_world.radiance(directions) * tints

@@ -28,8 +28,9 @@ class PassSums(NamedTuple):
     """Sums over the passes of each pixel; 140 bytes a pixel.
 
     passes, hits: int32 (n,), rays taken, and those that saw an object
-    opaque: float32 (n,), of the other rays, those that a film without a world does not let through:
-        outside a panorama's image circle, as in Cycles, and what panes have taken
+    opaque: float32 (n,), of the other rays, those that the film does not let through: of a film
+        with a world all that see it; else those outside a panorama's image circle, as in Cycles,
+        and what panes have taken
     count, visible: int32 (n,), shadow rays, and those that reached the light
     diffuse, glossy, unoccluded, emission, environment: float32 (n, 3), light
     diffuse_color, glossy_color, normal: float32 (n, 3)

@@ -14,11 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...core.nodes.hashing import hash_words
-from ...core.scene import CAMERA_RAYS, HOLDOUT, ROUND, SHADOW_CATCHER, SHADOW_RAYS
+from ...core.scene import CAMERA_RAYS, ROUND, SHADOW_RAYS
 from .errors import ExportCancelled
 from .lamps import read_lamp
 from .left_out import UNSUPPORTED_TYPES, LeftOut
 from .local_mesh import LiveMeshes, LocalMesh
+from .object_flags import flags_of
 from .object_properties import Asked, asks_instancers, outermost_index
 from .particle_hair import hair_modifiers
 from .parts import WITH_SURFACE, PartReader
@@ -87,17 +88,6 @@ def random_of_names(names: list[str]) -> np.ndarray:
             word = (word * 37 + byte) & 0xFFFFFFFF
         words[row] = word
     return hash_words(words, np.zeros_like(words))
-
-
-def _flags_of(obj) -> int:
-    """Of Scene.object_flags."""
-    flags = (
-        (obj.visible_camera, CAMERA_RAYS),
-        (obj.visible_shadow, SHADOW_RAYS),
-        (obj.is_holdout, HOLDOUT),
-        (obj.is_shadow_catcher, SHADOW_CATCHER),
-    )
-    return sum(bit for there, bit in flags if there)
 
 
 class _Item(NamedTuple):
@@ -174,7 +164,7 @@ class _Collector:
             self._parts[key] = row, rows
         return self._parts[key]
 
-    def _item(self, obj, owner, modifier, asked: Asked) -> _Item:
+    def _item(self, obj, owner, modifier, asked: Asked, flags: int) -> _Item:
         """Of hundreds of thousands of instances each property of Blender's is asked once."""
         part, data_rows = self._part(obj, owner, modifier)
         slots = () if part is None else self._slots(obj, data_rows)
@@ -188,7 +178,7 @@ class _Collector:
             slots,
             obj.pass_index,
             ROUND if is_round else obj.shadow_terminator_geometry_offset,
-            _flags_of(obj),
+            flags,
             tuple(obj.color),
             asked,
         )
@@ -201,12 +191,13 @@ class _Collector:
         key = *(thing.as_pointer() for thing in things), hair
         own = self._items.get(key)
         if own is None:
-            if not obj.visible_camera and not obj.visible_shadow:
+            flags = flags_of(obj, owner, self.inventory.layer[0])
+            if not flags & (CAMERA_RAYS | SHADOW_RAYS):
                 return  # neither a camera ray nor a shadow ray, the only two kinds that there are
             # Of an instance Blender's iterator has a copy, which does not outlive it.
             lasting = item.instance_object if item.is_instance else obj
             asked = Asked(lasting, None if owner.original == obj.original else owner)
-            own = self._items[key] = self._item(obj, owner, modifier, asked)
+            own = self._items[key] = self._item(obj, owner, modifier, asked, flags)
         if own.part is None:
             return
         matrix = np.array(item.matrix_world, np.float64)

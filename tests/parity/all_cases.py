@@ -5,6 +5,7 @@ from . import (
     coordinate_cases,
     element_cases,
     emitter_cases,
+    flag_cases,
     image_cases,
     lamp_cases,
     lit_cases,
@@ -31,5 +32,6 @@ _FAMILIES = (
     view_cases,
     world_cases,
     element_cases,
+    flag_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []
