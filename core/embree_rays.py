@@ -31,6 +31,9 @@ _ALL = np.uint32(0xFFFFFFFF)  # every bit of a mask; a lane in use; no triangle
 # Two vectors that no ray is along at once.
 _ONE_WAY, _OTHER_WAY = (0.48, 0.6, 0.64), (-0.64, 0.6, 0.48)
 _TURN = np.float32(0.268)  # of 75 degrees
+# A ray aside meets the face that another one goes to by so many times that much sooner, where it
+# is seen at half a degree or more.
+_SOONER = np.float32(128.0)
 
 
 class Traversal(NamedTuple):
@@ -218,7 +221,8 @@ def occluded_within(traversal, origins, directions, reach, towards, open_way, n,
 
     towards: int32 (>= n,), what a ray goes to, a lamp; open_way: bool, one for each of these,
         whether the last ray to it was free: those that follow are not asked again
-    Rays to lamps: few start at one place, so each goes through the hierarchy alone.
+    Rays to lamps: few start at one place, so each goes through the hierarchy alone. Those aside
+    end before what they go to, a face that shines and is seen flat, or most would be blocked by it.
     """
     o, d = origins, directions
     ray = stack(_RAY)
@@ -227,7 +231,8 @@ def occluded_within(traversal, origins, directions, reach, towards, open_way, n,
         own = o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2], reach[k]
         blocked = _blocked_within(traversal, ray, *own)
         if blocked == 0 and traversal.aside > 0.0 and not open_way[towards[k]]:
-            blocked = blocked_aside(traversal, *own)
+            end = reach[k] - _SOONER * np.float32(traversal.aside)
+            blocked = blocked_aside(traversal, *own[:6], end) if end > _ZERO else 0
         open_way[towards[k]] = blocked == 0
         out[k] = blocked & colors
 

@@ -7,7 +7,7 @@ from iwis.core.emitters import with_emitters
 from iwis.core.lamps import BLOCK, MESH, NO_LAMPS, RECTANGLE
 from iwis.core.scene import TriangleMesh
 from support.lamp_points import sampled
-from support.scenes import diffuse, glossy, principled
+from support.scenes import box, diffuse, glossy, join_parts, principled, quad
 from support.statistics import sidak, t_p_value
 
 RADIANCE = np.array([[0.0, 0.0, 0.0], [3.0, 2.0, 1.0]], np.float32)
@@ -107,3 +107,30 @@ def test_a_mirror_shows_a_mesh():
     lamps = with_emitters([], sheet(9, center, 0.6, 0.6), ones)
     total = sampled([], glossy(1e-3, (1.0, 1.0, 1.0)), 500, 1, lamps=lamps)[:, 3]
     assert abs(total.mean() - 1.0) < 0.02 and np.median(np.abs(total - 1.0)) < 0.02
+
+
+BOXES = [((0.5, -0.2, 0.15), (0.9, 0.2, 0.55)), ((-0.2, -0.2, 0.3), (0.2, 0.2, 0.7))]
+
+
+def _box_share(low, high, steps=1500):
+    """The part of a cosine-weighted hemisphere about z that a box covers, seen from the origin."""
+    u, v = np.meshgrid(*[(np.arange(steps) + 0.5) / steps] * 2)
+    radius, phi = np.sqrt(u).ravel(), 2.0 * np.pi * v.ravel()
+    wi = np.stack([radius * np.cos(phi), radius * np.sin(phi), np.sqrt(1.0 - u.ravel())], 1)
+    ends = np.stack([np.divide(corner, wi) for corner in (low, high)])
+    return float((ends.min(0).max(1) <= ends.max(0).min(1)).mean())
+
+
+@pytest.mark.parametrize(("low", "high"), BOXES)
+def test_a_box_lights_by_all_that_is_seen_of_it(low, high):
+    """Its far sides are in the shadow of the near ones, which are seen flat; to 1 % of the truth.
+
+    4000 points with 32 samples each have a standard error of .2 %. A face 20 m away has rays start
+    and end farther from surfaces, as in a scene of that size.
+    """
+    vertices, triangles = box(low, high)[:2]
+    blocker = join_parts([box(low, high), quad((20.0, 20.0, -9.0), (0.1, 0, 0), (0, 0.1, 0))])
+    ones = np.array([[0.0] * 3, [1.0] * 3], np.float32)
+    lamps = with_emitters([], mesh_of(vertices, triangles), ones)
+    found = sampled([], diffuse((0.8,) * 3), 4000, 32, blocker=blocker, lamps=lamps)
+    assert found[:, :3].mean() == pytest.approx(0.8 * _box_share(low, high), rel=0.01)

@@ -56,6 +56,17 @@ def _row(k):
     bpy.ops.mesh.primitive_cube_add(size=0.12, location=place, rotation=(0.2 * k, 0.1, 0.3 * k))
 
 
+def _near(_):
+    bpy.ops.mesh.primitive_cube_add(size=0.22, location=(0.78, -1.19, -0.14))
+
+
+def _turned(_):
+    bpy.ops.mesh.primitive_cube_add(size=0.6, location=(-0.5, 0.5, 0.6), rotation=(0.7, 0.5, 0.2))
+
+
+_emitter("Emissive cube, near a cube", _near)
+_emitter("Emissive cube, turned, between all", _turned)
+_emitter("Emissive cube, between brushed metals", _turned, shiny(0.5, Metallic=1.0))
 _emitter("Emissive plane", _plane)
 _emitter("Emissive plane, sampling NONE", _plane, sampling="NONE", samples=(64, 8192))
 _emitter("Emissive sphere of 2208 triangles", _ball)
