@@ -18,6 +18,7 @@ from .pyramid import luminance
 from .rows import any_in_row
 from .scene import Scene
 from .shading import ShadingPoints
+from .sheen import diffuse_color
 
 NO_DEPTH = 1e10  # what Cycles writes where nothing is hit
 
@@ -98,8 +99,9 @@ def _write_points(place, normal, lobes, sums, exposure, max_samples, layers):
             emission = np.float64(lobes.emission[p, a]) * exposure
             layers.combined[k, a] = diffuse + glossy + emission
             layers.normal[k, a], layers.emission[k, a] = normal[p, a], emission
-            layers.diffuse_direct[k, a] = _divide(diffuse, lobes.diffuse[p, a])
-            layers.diffuse_color[k, a] = lobes.diffuse[p, a]
+            color = diffuse_color(lobes, p, a)
+            layers.diffuse_direct[k, a] = _divide(diffuse, color)
+            layers.diffuse_color[k, a] = color
             layers.glossy_direct[k, a] = _divide(glossy, lobes.glossy_color[p, a])
             layers.glossy_color[k, a] = lobes.glossy_color[p, a]
             layers.unoccluded[k, a] = sums.unoccluded[p, a] * scale

@@ -32,7 +32,7 @@ class Lobes(NamedTuple):
     alpha: float32 (n,), width of D; narrow: float32 (n,), its width across ``tangent``, float32
         (n, 3), unit, along which it is alpha; 0 = it is round (stretched.py)
     diffuse: float32 (n, 3), reflectance of the Lambert lobe, layers above deducted; at once Cycles'
-        Diffuse Color
+        Diffuse Color (but of velvet: sheen.diffuse_colors)
     weight, f0: float32 (n, 2, 3), factor of the curve, and its value along the normal:
         DIELECTRIC: F = f0 + (1 - f0) dielectric_blend(cos, *fresnel)
         CONDUCTOR: F = f0 + (1 - f0) (1 - cos)^5 - edge cos (1 - cos)^6, cut to 0 ... 1

@@ -8,6 +8,7 @@ import numpy as np
 
 from ._jit import kernel
 from .incremental import PixelSums, new_sums
+from .sheen import diffuse_color
 from .tile_job import ClosureLayer, SeenPoints
 
 
@@ -34,7 +35,7 @@ def _add_layer(of, lobes, own, merged):
             whole.diffuse[p, a] += own.diffuse[k, a] * inverse
             whole.glossy[p, a] += own.glossy[k, a] * inverse
             whole.unoccluded[p, a] += own.unoccluded[k, a] * inverse
-            merged.diffuse[p, a] += lobes.diffuse[k, a]
+            merged.diffuse[p, a] += diffuse_color(lobes, k, a)
             merged.glossy_color[p, a] += lobes.glossy_color[k, a]
         whole.count[p] += own.count[k]
         whole.visible[p] += own.visible[k]
@@ -79,4 +80,5 @@ def merge_layers(layers: list[ClosureLayer], sums: list[PixelSums]) -> tuple[See
         _add_layer(of, seen.lobes, own, merged)
     _close(merged)
     found = {"diffuse": merged.diffuse, "glossy_color": merged.glossy_color}
+    found["rough"] = np.zeros((n, 4), np.float32)  # of no closure alone
     return first._replace(lobes=first.lobes._replace(**found)), merged.sums

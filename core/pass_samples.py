@@ -17,6 +17,7 @@ from .pass_sums import PassSums, add_seen
 from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .scene import HOLDOUT, SHADOW_CATCHER
 from .shading import ShadingPoints
+from .sheen import diffuse_colors
 from .stop_rule import pass_rule
 from .tile_job import (
     ClosureLayer,
@@ -138,7 +139,8 @@ def shared_counts(layers: list[ClosureLayer], most: int) -> list[np.ndarray]:
         return [np.full(len(layers[0].of), most)]
     albedo = np.zeros((len(layers), len(layers[0].of)))
     for own, (seen, of) in zip(albedo, layers, strict=True):
-        color = np.nan_to_num(seen.lobes.diffuse + seen.lobes.glossy_color, nan=0.0, posinf=1.0)
+        color = diffuse_colors(seen.lobes) + seen.lobes.glossy_color
+        color = np.nan_to_num(color, nan=0.0, posinf=1.0)
         own[of] = np.maximum(color @ _LUMINANCE, 0.0) + _DARK
     share = albedo / albedo.sum(axis=0)
     counts = np.maximum(np.rint(share * most), albedo > 0.0).astype(np.int64)

@@ -17,6 +17,7 @@ from ._jit import kernel
 from .incremental import PixelSums
 from .lobes import Lobes
 from .pyramid import luminance
+from .sheen import diffuse_color
 
 # The squared error of a mean of P passes falls as P^-1.3.
 _CONVERGENCE = 1.3
@@ -91,7 +92,7 @@ def _add_seen(pixel, normal, lobes, sums, state):
             state.glossy[p, a] += sums.glossy[k, a] * inverse
             state.unoccluded[p, a] += sums.unoccluded[k, a] * inverse
             state.emission[p, a] += lobes.emission[k, a]
-            state.diffuse_color[p, a] += lobes.diffuse[k, a]
+            state.diffuse_color[p, a] += diffuse_color(lobes, k, a)
             state.glossy_color[p, a] += lobes.glossy_color[k, a]
             state.normal[p, a] += normal[k, a]
         own = luminance(lobes.emission[k, 0], lobes.emission[k, 1], lobes.emission[k, 2])

@@ -7,8 +7,8 @@ linear map of directions [Heitz16]. With wo in the plane of x and z, z = the nor
 
 a, b and R were measured in Cycles' pictures (docs/decisions/0029-sheen.md). Velvet [Ashikhmin00]:
 an inverted Gaussian of facets. Lobes.rough has what either wants, and says which by its last
-number. Samples follow the light times the lobe, as of all others: the cells of the product get the
-factor too; a few follow the fibres alone.
+number; as in Cycles it counts as glossy, fibres as diffuse. Samples follow the light times the
+lobe, as of all others: the cells of the product get the factor too; a few follow the fibres alone.
 """
 
 from __future__ import annotations
@@ -73,6 +73,7 @@ def set_sheen(lobes, fibers: np.ndarray, velvet: np.ndarray, roughness: np.ndarr
     lobes.rough[velvet] = 0.0
     lobes.rough[velvet, 0] = np.clip(roughness[velvet], 0.01, 1.0)
     lobes.rough[velvet, 3] = VELVET
+    lobes.glossy_color[velvet] = lobes.diffuse[velvet]
 
 
 @kernel(forceinline=True)
@@ -137,12 +138,23 @@ def _velvet(n, wo, sigma, wi_x, wi_y, wi_z):
 @kernel(forceinline=True)
 def sheen(at, wi_x, wi_y, wi_z, value):
     """eval_lobes_at's value with its Lambert lobe made sheen: at.rough[3] is below 0."""
+    dr, dg, db, gr, gg, gb = value
     if at.rough[3] == MICROFIBER:
         gain = _microfiber_at(at, wi_x, wi_y, wi_z)
-    else:
-        gain = _velvet(at.normal, at.wo, at.rough[0], wi_x, wi_y, wi_z)
-    dr, dg, db, gr, gg, gb = value
-    return dr * gain, dg * gain, db * gain, gr, gg, gb
+        return dr * gain, dg * gain, db * gain, gr, gg, gb
+    gain = _velvet(at.normal, at.wo, at.rough[0], wi_x, wi_y, wi_z)
+    return ZERO, ZERO, ZERO, dr * gain, dg * gain, db * gain
+
+
+def diffuse_colors(lobes) -> np.ndarray:
+    """float32 (n, 3): Cycles' Diffuse Color; of velvet, which is glossy there, nothing."""
+    return np.where(lobes.rough[:, 3:] == VELVET, ZERO, lobes.diffuse)
+
+
+@kernel(forceinline=True)
+def diffuse_color(lobes, p, c):
+    """diffuse_colors of row p, channel c."""
+    return ZERO if lobes.rough[p, 3] == VELVET else lobes.diffuse[p, c]
 
 
 @kernel

@@ -8,7 +8,7 @@ from iwis.core.brdf import pdf_narrowest_at, sample_narrowest_at
 from iwis.core.lobes_at import lobes_at
 from iwis.core.nodes.layers import under_sheen
 from iwis.core.scene import DIFFUSE
-from iwis.core.sheen import microfiber, set_sheen
+from iwis.core.sheen import diffuse_colors, microfiber, set_sheen
 from support.brdf_points import directions, evaluated, points, reflected, sphere_quadrature
 
 _COSINES = (0.9, 0.5, 0.15)
@@ -97,8 +97,17 @@ def test_velvet_is_the_textbook_formula(roughness, rng):
         sin2 = 1.0 - cos_h**2
         d = np.exp(-(cos_h**2) / sin2 / roughness**2) / (np.pi * roughness**2 * sin2**2)
         g = np.minimum(1.0, 2.0 * cos_h / half * np.minimum(wi[:, 2], wo[2]))
-        ours = evaluated(lobes, p, wi)[:, 0]
-        np.testing.assert_allclose(ours, d * g / (4.0 * wo[2]), rtol=3e-3, atol=1e-7)
+        ours = evaluated(lobes, p, wi)
+        np.testing.assert_allclose(ours[:, 3], d * g / (4.0 * wo[2]), rtol=3e-3, atol=1e-7)
+        assert (ours[:, :3] == 0.0).all()
+
+
+def test_velvet_is_glossy_and_fibers_are_diffuse():
+    """In Cycles' passes, and to lights that only one kind of rays sees."""
+    velvet, fibers = _lobes("velvet", 0.5), _lobes("fibers", 0.5)
+    assert (diffuse_colors(velvet) == 0.0).all() and (velvet.glossy_color == velvet.diffuse).all()
+    assert (diffuse_colors(fibers) == fibers.diffuse).all() and (fibers.glossy_color == 0.0).all()
+    assert (velvet.diffuse > 0.0).all() and (fibers.diffuse > 0.0).all()
 
 
 def test_paint_under_fibers_gets_the_rest():

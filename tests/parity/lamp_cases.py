@@ -32,6 +32,11 @@ def shiny(roughness, **inputs):
     return lambda tree: tree.made("ShaderNodeBsdfPrincipled", 0, values)
 
 
+def _cloth(distribution):
+    colors = {"Color": (0.8, 0.6, 0.7), "Roughness": 0.5}
+    return lambda tree: tree.made("ShaderNodeBsdfSheen", 0, colors, distribution=distribution)
+
+
 def _case(name, kind, location, make=matte, world=False, also=None, **options):
     """also: arguments of a second lamp"""
 
@@ -78,6 +83,15 @@ _case("Point, temperature", "POINT", ABOVE, use_temperature=True, temperature=32
 _case("Point, factors of EEVEE", "POINT", ABOVE, shiny(0.3), specular_factor=0.2, **BALL)
 _case("Point, not for glossy", "POINT", ABOVE, shiny(0.3), visible_glossy=False, **BALL)
 _case("Point, not for diffuse", "POINT", ABOVE, shiny(0.3), visible_diffuse=False, **BALL)
+for _kind, _rays in {"MICROFIBER": "glossy", "ASHIKHMIN": "diffuse"}.items():
+    _case(
+        f"Point, sheen {_kind}, not for {_rays}",
+        "POINT",
+        ABOVE,
+        _cloth(_kind),
+        **{f"visible_{_rays}": False},
+        **BALL,
+    )
 for _blend in (0.0, 0.15, 1.0):
     _case(f"Spot, blend {_blend}", "SPOT", ABOVE, spot_blend=_blend, **_SPOT)
 _case("Spot, radius", "SPOT", ABOVE, spot_blend=0.5, shadow_soft_size=0.5, **_SPOT)
