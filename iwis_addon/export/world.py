@@ -109,7 +109,7 @@ class _Export:
             kinds = " and ".join(_hidden_from(world))
             warn(None, f"ray visibility for {kinds} rays is not supported: they are lit")
         tree, asks_for_rays = self._tree(output, LIGHT_RAYS)
-        light = self._exact_map(tree, "light")
+        light = self._exact_map(tree, "light", least_height)
         is_exact = light is not None
         if light is None:
             light = self._map_of_directions(tree, least_height, cancelled)
@@ -120,7 +120,7 @@ class _Export:
         seen = self._tree(output, CAMERA_RAYS)[0] if asks_for_rays else tree
         if is_exact and same(seen, tree):
             return WorldExport(light)
-        backdrop = self._exact_map(seen, "backdrop")
+        backdrop = self._exact_map(seen, "backdrop", least_height)
         return WorldExport(light, backdrop or backdrop_of(self._mended_tree(seen), self._cache))
 
     def _tree(self, output, rays) -> tuple[WorldTree, bool]:
@@ -131,12 +131,12 @@ class _Export:
     def _mended_tree(self, tree: WorldTree) -> WorldTree:
         return tree._replace(strength=self._usable(tree.strength))
 
-    def _exact_map(self, tree: WorldTree, slot: str) -> EnvironmentMap | None:
+    def _exact_map(self, tree: WorldTree, slot: str, least_height) -> EnvironmentMap | None:
         """The map of a tree that is one colour, or one place in its images; else None."""
         if not isinstance(tree.value, Ref):
             color = self._mended(np.float32(tree.value), slot, None) * self._usable(tree.strength)
             return _uniform(color, self._world.name, _visible_to_camera(self._world))
-        picture = picture_of_texels(tree, slot, self._cache, self._threads)
+        picture = picture_of_texels(tree, slot, self._cache, self._threads, least_height)
         return None if picture is None else self._map(picture, tree, slot)
 
     def _map_of_directions(self, tree: WorldTree, least_height, cancelled) -> EnvironmentMap:

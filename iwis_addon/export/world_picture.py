@@ -14,7 +14,7 @@ import numpy as np
 from ...core.nodes.world import DIRECTION, ENVIRONMENT
 from ...core.nodes.world_map import evaluate_map, evaluate_texels, reached_ops
 from ...core.program import Op, Ref, WorldProgram
-from ...core.scene import EQUIRECTANGULAR, LINEAR, EnvironmentMap
+from ...core.scene import CLOSEST, EQUIRECTANGULAR, LINEAR, EnvironmentMap
 from .program_nodes import PURE
 from .world_tree import WorldTree
 
@@ -48,6 +48,8 @@ _STEPS = set(
     "LESS_THAN GREATER_THAN COMPARE SIGN ROUND FLOOR CEIL TRUNC FRACT FRACTION MODULO "
     "FLOORED_MODULO WRAP SNAP DIVIDE TANGENT".split()
 )
+# Pairs of neighbours that are looked at, and a difference of their light that nobody sees.
+_PAIRS, _BEND = 2048, 0.002
 _WAVE = 4.0  # texels: a noise of longer waves has no edges
 _SAME = np.eye(3, 4, dtype=np.float32)
 
@@ -62,10 +64,14 @@ class Picture(NamedTuple):
     name: str | None = None
 
 
-def picture_of_texels(tree: WorldTree, slot: str, cache, threads: int) -> Picture | None:
+def picture_of_texels(
+    tree: WorldTree, slot: str, cache, threads: int, least_height: int
+) -> Picture | None:
     """The picture of a tree whose images are looked up in one way, exact; None of another tree.
 
     slot: what to keep it under in the TexelCache, for a frame where the tree is the same
+    least_height: where images have fewer rows, and nodes that bend what lies between two texels
+        (a ramp, a gamma), a map of directions is closer to Cycles, which blends before
     """
     ops = reached_ops(tree.program, tree.value)
     images = _images(ops)
@@ -76,6 +82,9 @@ def picture_of_texels(tree: WorldTree, slot: str, cache, threads: int) -> Pictur
         radiance = first.radiance
     else:
         texels = {row: image.radiance for row, image in images.items()}
+        few = len(first.radiance) < least_height and first.interpolation != CLOSEST
+        if few and _bends(tree, texels):
+            return None
         radiance = cache.kept(
             ("texels", slot),
             (tree.value, ops),
@@ -124,6 +133,20 @@ def _is_of_texels(ops: dict[int, Op], images: list[EnvironmentMap]) -> bool:
     if not all(op.kind in _BY_INPUTS for row, op in ops.items() if row not in looked_up):
         return False
     return len({_place(image) for image in images}) == 1
+
+
+def _bends(tree: WorldTree, texels: dict[int, np.ndarray]) -> bool:
+    """Whether the colour between two texels is another one than the mean of both of theirs."""
+    rng = np.random.default_rng(0)
+    height, width, _ = next(iter(texels.values())).shape
+    row, column = rng.integers(height, size=_PAIRS), rng.integers(width, size=_PAIRS)
+    pairs = {k: (t[row, column], t[row, (column + 1) % width]) for k, t in texels.items()}
+    found = [
+        evaluate_texels(tree.program, tree.value, {k: of(*p)[None] for k, p in pairs.items()})
+        for of in (lambda a, b: a, lambda a, b: b, lambda a, b: (a + b) / 2)
+    ]
+    one, other, between = map(np.nan_to_num, found)
+    return np.abs(between - (one + other) / 2).mean() > _BEND * np.abs(between).mean()
 
 
 def _place(image: EnvironmentMap):

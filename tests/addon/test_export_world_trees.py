@@ -143,6 +143,24 @@ def test_images_in_one_place_keep_their_texels(tree, texels):
     assert not np.allclose(world.light.world_to_map, np.eye(3, 4))
 
 
+@pytest.mark.parametrize("gamma, bends", [(1.0, False), (2.2, True)])
+@pytest.mark.parametrize("rows", [16, 64])
+@pytest.mark.parametrize("interpolation", ["Linear", "Closest"])
+def test_few_texels_that_nodes_bend_become_a_map(tree, rng, gamma, bends, rows, interpolation):
+    """Cycles blends texels first: so does a map of at least as many rows, and a camera's rays."""
+    image = new_image(rng.random((rows, 2 * rows, 3)).astype(np.float32))
+    textured_world(tree, image)
+    picture, bent = tree.nodes["Environment Texture"], add(tree, "Gamma")
+    picture.interpolation, bent.inputs["Gamma"].default_value = interpolation, gamma
+    link(tree, picture, bent)
+    link(tree, bent, tree.nodes["Background"])
+    world, warnings = read()
+    assert not warnings
+    is_map = bends and rows < 64 and interpolation == "Linear"
+    assert (world.backdrop is not None) == is_map
+    assert len(world.light.radiance) == (64 if is_map else rows)
+
+
 def test_camera_rays_see_another_picture_than_the_light(tree, texels):
     """The light keeps the image's texels; a colour is what the camera sees; nothing is told."""
     _, background = textured_world(tree, new_image(texels))

@@ -195,6 +195,29 @@ world(
 world("World, override of the view layer", _override)
 
 
+def _rough(tree, projection="EQUIRECTANGULAR"):
+    """A picture whose every texel differs from the next."""
+    pixels = np.ones((32, 64, 4), np.float32)
+    pixels[..., :3] = 0.2 + 0.8 * np.random.default_rng(5).random((32, 64, 3)) ** 3
+    image = bpy.data.images.new("R", 64, 32, float_buffer=True)
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    return tree.made("ShaderNodeTexEnvironment", 0, image=image, projection=projection)
+
+
+for _projection in ("EQUIRECTANGULAR", "MIRROR_BALL"):
+    world(
+        f"World, rough picture {_projection} under a ramp",
+        lambda t, p=_projection: _background(t, _ramp(t, _rough(t, p))),
+    )
+    world(
+        f"World, rough picture {_projection} under a gamma",
+        lambda t, p=_projection: _background(
+            t, t.made("ShaderNodeGamma", 0, {"Color": _rough(t, p), "Gamma": 1.6})
+        ),
+    )
+
+
 def _sky(turned=False, seen=True, **settings):
     """A Sky Texture of a type that this Blender has: 4.5 has one in place of two.
 
