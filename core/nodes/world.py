@@ -49,6 +49,8 @@ class WorldContext(ShadeContext):
         """Without an object its space is the world's."""
         return vectors
 
+    normal_to_world = normal_to_object
+
 
 def direction(context, settings, inputs):
     """The direction, and the normal that looks back along it."""

@@ -205,6 +205,20 @@ def _rough(tree, projection="EQUIRECTANGULAR"):
     return tree.made("ShaderNodeTexEnvironment", 0, image=image, projection=projection)
 
 
+def _around(axis):
+    """The Tangent node, which goes around an axis."""
+
+    def make(t):
+        tangent = t.made("ShaderNodeTangent", 0, direction_type="RADIAL", axis=axis)
+        half = t.made("ShaderNodeVectorMath", 0, {0: tangent, "Scale": 0.5}, operation="SCALE")
+        move = {0: half, 1: (0.5, 0.5, 0.5)}
+        return _background(t, t.made("ShaderNodeVectorMath", 0, move, operation="ADD"))
+
+    return make
+
+
+for _axis in "XYZ":
+    world(f"World, Tangent, radial {_axis}", _around(_axis))
 for _projection in ("EQUIRECTANGULAR", "MIRROR_BALL"):
     world(
         f"World, rough picture {_projection} under a ramp",
