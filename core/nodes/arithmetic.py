@@ -142,6 +142,7 @@ _VECTOR_MATH = {
     "SIGN": lambda a, b, c, s: np.sign(a),
     "MINIMUM": lambda a, b, c, s: np.minimum(a, b),
     "MAXIMUM": lambda a, b, c, s: np.maximum(a, b),
+    "ROUND": lambda a, b, c, s: np.floor(a + np.float32(0.5)),
     "FLOOR": lambda a, b, c, s: np.floor(a),
     "CEIL": lambda a, b, c, s: np.ceil(a),
     "FRACTION": lambda a, b, c, s: a - np.floor(a),

@@ -1,18 +1,15 @@
 """Math, colour and vector nodes."""
 
+import bpy
+
 from .cases import shown
 
-_MATH = (
-    "ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD POWER LOGARITHM SQRT INVERSE_SQRT ABSOLUTE EXPONENT "
-    "MINIMUM MAXIMUM LESS_THAN GREATER_THAN SIGN COMPARE SMOOTH_MIN SMOOTH_MAX ROUND FLOOR CEIL "
-    "TRUNC FRACT MODULO FLOORED_MODULO WRAP SNAP PINGPONG SINE COSINE TANGENT ARCSINE ARCCOSINE "
-    "ARCTANGENT ARCTAN2 SINH COSH TANH RADIANS DEGREES"
-).split()
-_VECTOR_MATH = (
-    "ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD CROSS_PRODUCT PROJECT REFLECT REFRACT FACEFORWARD "
-    "DOT_PRODUCT DISTANCE LENGTH SCALE NORMALIZE ABSOLUTE MINIMUM MAXIMUM FLOOR CEIL FRACTION "
-    "MODULO WRAP SNAP SINE COSINE TANGENT"
-).split()
+
+def _choices(node, name):
+    """All that this Blender has for a property of a node."""
+    return [item.identifier for item in getattr(bpy.types, node).bl_rna.properties[name].enum_items]
+
+
 _BLENDS = (
     "MIX DARKEN MULTIPLY BURN LIGHTEN SCREEN DODGE ADD OVERLAY SOFT_LIGHT LINEAR_LIGHT DIFFERENCE "
     "EXCLUSION SUBTRACT DIVIDE HUE SATURATION COLOR VALUE"
@@ -48,9 +45,9 @@ def _blend(blend):
     return make
 
 
-for _operation in _MATH:
+for _operation in _choices("ShaderNodeMath", "operation"):
     shown(f"Math {_operation}", _math(_operation))
-for _operation in _VECTOR_MATH:
+for _operation in _choices("ShaderNodeVectorMath", "operation"):
     shown(f"Vector Math {_operation}", _vector_math(_operation))
 for _operation in _BLENDS:
     shown(f"Mix colour {_operation}", _blend(_operation))
