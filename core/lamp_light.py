@@ -294,8 +294,7 @@ def add_lamp_light(
         own = points, lobes, lamps, powers, shares, samples, offset, first
         first, n = _draw(*own, rays, sums)
         blocked = np.empty(n, np.uint8)
-        own = rays.origins[:n], rays.directions[:n], blocked, rays.reach[:n]
-        accel.occluded(*own, rays.lamp[:n])
+        accel.occluded(*(column[:n] for column in rays[:2]), blocked, rays.reach[:n], rays.lamp[:n])
         _add(rays, n, blocked, sums)
         traced += n
     return traced

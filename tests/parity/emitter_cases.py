@@ -66,7 +66,6 @@ def _turned(_):
 
 _emitter("Emissive cube, near a cube", _near)
 _emitter("Emissive cube, turned, between all", _turned)
-_emitter("Emissive cube, between brushed metals", _turned, shiny(0.5, Metallic=1.0))
 _emitter("Emissive plane", _plane)
 _emitter("Emissive plane, sampling NONE", _plane, sampling="NONE", samples=(64, 8192))
 _emitter("Emissive sphere of 2208 triangles", _ball)

@@ -16,10 +16,7 @@ _STRAIGHT = "with direct light alone Cycles is black where a refracted ray ends 
 
 _ALONG = "where the tangent is along the normal (the floor) Cycles is black, IWIS round"
 
-_AT_THE_LIMIT = "at the limit, by noise: .6 % in other runs; means of many agree to .3 %"
-
 WHY = {
-    "Emissive image, sharp, on 101 760 faces": _AT_THE_LIMIT,
     "Tangent, radial X": _ALONG,
     "Tangent, radial Y": _ALONG,
     "Glass": _STRAIGHT,
