@@ -293,8 +293,7 @@ def add_lamp_light(
     while first < len(points.pixel):
         own = points, lobes, lamps, powers, shares, samples, offset, first
         first, n = _draw(*own, rays, sums)
-        blocked = np.empty(n, np.uint8)
-        accel.occluded(*(column[:n] for column in rays[:2]), blocked, rays.reach[:n], rays.lamp[:n])
-        _add(rays, n, blocked, sums)
+        own = rays.origins[:n], rays.directions[:n], np.empty(n, np.uint8), rays.reach[:n]
+        _add(rays, n, accel.occluded(*own, rays.lamp[:n]), sums)
         traced += n
     return traced
