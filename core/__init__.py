@@ -4,7 +4,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
 
     _parts, addresses                               -1  how kernels are put together; raw memory
     _jit, settings, program, lamps, object_motion,   0  how kernels are kept; all defaults
-    compile_apart, rows, turns
+    compile_apart, rows, turns, asked_passes
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers, triangle_pairs,
@@ -15,20 +15,21 @@ In the order of the data; a module imports only from groups with a smaller numbe
     bump, stretched, lobes, cell_numbers
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
-    voronoi_cells
+    voronoi_cells, cryptomatte
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, sample_order, measured, lobe_setup, embree_instances
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
     light_rays, paper_tables, light_cells, lamp_light, pass_rays, moving_accel,
-    moved_accel
+    moved_accel, surface_numbers
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree, backdrop, emission_parts, like_products
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
     emitters
     scene_rays, block_loop, reference, catchers,     8  UNBIASED's loop; estimators to compare with
     unbiased_rays
-    two_stage, tile_job, render_cache, loop_types    9  another one; a tile's work; what is kept
+    two_stage, tile_job, render_cache, loop_types,   9  another one; a tile's work; what is kept
+    surface_passes
     merged_layers, tile_lamps, budget, warm_up,     10  closures together; BUDGET
     silhouettes, time_slices, ambient_occlusion, early_kernels, tiles
     pass_samples, pass_plan                         11  passes of a tile, how many are wanted

@@ -33,7 +33,7 @@ class TileOcclusion:
     """
 
     def __init__(self, scene: Scene, settings: RenderSettings, accel: Accel, n: int):
-        self._reach, self._accel, self._settings = scene.occlusion_distance, accel, settings
+        self._reach, self._accel, self._settings = scene.asked.occlusion_distance, accel, settings
         self._open = np.zeros(n if self.wanted else 0, np.float64)
         self.traced = 0
 

@@ -214,3 +214,11 @@ def view_depth(camera: Camera, positions: np.ndarray) -> np.ndarray:
     if camera.kind == PANORAMIC:
         return np.linalg.norm(away, axis=-1).astype(np.float32)
     return (away @ to_world[:3, 2]).astype(np.float32)
+
+
+def view_distance(camera: Camera, positions: np.ndarray) -> np.ndarray:
+    """Metres, float32 (n,), from the camera to positions (n, 3); ORTHOGRAPHIC: their depth."""
+    if camera.kind == ORTHOGRAPHIC:
+        return np.abs(view_depth(camera, positions))
+    away = np.asarray(camera.camera_to_world, np.float64)[:3, 3] - positions
+    return np.linalg.norm(away, axis=-1).astype(np.float32)

@@ -19,6 +19,7 @@ from .neighbours import CELL_PX, cell_order
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .scene import HOLDOUT, SHADOW_CATCHER
 from .stop_rule import Rule, perceptual_rule, spread_of, stop_rule
+from .surface_passes import SurfacePasses
 from .tile_job import (
     ClosureLayer,
     Job,
@@ -119,6 +120,9 @@ class CenterTile:
         self._occlusion.add_to_layers(layers, slice(None), self._places, shown.astype(float))
         sums = self._with_lamps(np.flatnonzero(caught), points, sums)
         show_caught(scene, self._job.seen_world, points, self._places, sums, layers)
+        surface = SurfacePasses(scene, self.rect.width * self.rect.height)
+        surface.add(scene, points, self._places)
+        surface.write(layers, slice(None), np.ones(1, np.int32))
         return Tile(*self.rect, layers)
 
     def _with_lamps(self, caught, points, sums):

@@ -11,7 +11,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-# Layer -> channels. Row 0 of every layer is the bottom row of the tile.
+# Layer -> channels, of every picture; mattes have layers of their own beside these (asked_passes).
+# Row 0 of every layer is the bottom row of the tile.
 LAYERS = {
     "combined": 4,  # radiance, alpha (premultiplied)
     "depth": 1,  # metres along the camera's axis, 1e10 where nothing is hit
@@ -25,7 +26,9 @@ LAYERS = {
     "diffuse_color": 3,
     "glossy_direct": 3,
     "glossy_color": 3,
-    "ambient_occlusion": 3,  # of an even sky, what is seen within Scene.occlusion_distance
+    "ambient_occlusion": 3,  # of an even sky, what is seen within AskedPasses.occlusion_distance
+    "mist": 1,  # 0 where it begins, 1 where it is complete and where the world is seen
+    "uv": 3,  # place on the UV map; 1 times the share of the pixel's rays that hit a surface
     "shadow_catcher": 3,  # of the light that catchers reflect, what arrives; 1 elsewhere
     "sample_count": 1,  # samples divided by max_samples: Cycles' Debug Sample Count
     "samples": 1,  # shadow rays of the pixel
@@ -91,6 +94,9 @@ class Film:
     def write_tile(self, tile: Tile) -> None:
         x, y = tile.x - self.region[0], tile.y - self.region[1]
         for name, pixels in tile.layers.items():
+            if name not in self.layers:
+                size = *self.layers["combined"].shape[:2], pixels.shape[2]
+                self.layers[name] = np.zeros(size, np.float32)
             self.layers[name][y : y + tile.height, x : x + tile.width] = pixels
 
     def progress(self, progress: Progress) -> None:

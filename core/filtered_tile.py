@@ -130,6 +130,7 @@ class FilteredTile:
         self._sampler.occlusion.add_to_layers(
             layers, inside, place, 1.0 / np.maximum(sums.passes, 1)
         )
+        self._sampler.surface.write(layers, inside, sums.passes)
         return Tile(x, y, width, height, layers)
 
     def rest(self) -> None:

@@ -19,6 +19,7 @@ from .scene import HOLDOUT, SHADOW_CATCHER
 from .shading import ShadingPoints
 from .sheen import diffuse_colors
 from .stop_rule import pass_rule
+from .surface_passes import SurfacePasses
 from .tile_job import (
     ClosureLayer,
     Job,
@@ -39,7 +40,8 @@ class PassSampler:
 
     together: how many passes may be taken at once; one where each is decided upon (rule PAPER), or
         has a slice of the shutter's time in common
-    lamps: what they bring to the pixels; occlusion: the pass of that name
+    lamps: what they bring to the pixels; occlusion: the pass of that name;
+    surface: those of the surfaces alone
     traced: shadow rays so far, without theirs
     """
 
@@ -51,6 +53,7 @@ class PassSampler:
         self._caught = CaughtPasses(n) if has_role(job.scene, SHADOW_CATCHER) else None
         self.lamps = TileLamps(job.scene, job.settings, job.accel, n)
         self.occlusion = TileOcclusion(job.scene, job.settings, job.accel, n)
+        self.surface = SurfacePasses(job.scene, n)
         self._batch = samples_of_a_pass(job.settings, job.scene.camera)
         alone = job.settings.stop_rule == "PAPER" or job.slices
         self.together = 1 if alone else PASSES_AT_ONCE
@@ -84,6 +87,8 @@ class PassSampler:
             job = dataclasses.replace(self._job, accel=self._job.accel.without_catchers)
             sums = self._sample(job, layers, number[caught])
             found.append((self._add_caught, layers, sums, number[caught], job.accel))
+        if self.surface.wanted:
+            found.append((self.surface.add, self._job.scene, points, points.pixel))
         return found
 
     def show_caught(self, rows: np.ndarray, layers: dict[str, np.ndarray]) -> None:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .asked_passes import NO_PASSES, AskedPasses
 from .lamps import NO_LAMPS, Lamps
 from .object_motion import ObjectMotion, Pose
 from .program import Shaders, WorldProgram
@@ -249,8 +250,7 @@ class Scene:
     shaders: materials that vary over the surface; None: materials says all
     backdrop: what camera rays that hit nothing see in place of environment; None = the same
     transparent_film: alpha 0 where the camera sees the world; exposure: factor of the film
-    occlusion_distance: metres that rays of the ambient-occlusion pass go; 0 = it is not wanted
-    measured: the BRDFs that materials of model MEASURED name by their row
+    asked: passes made on request; measured: the BRDFs that materials of model MEASURED name
     lamps: what lights the scene beside its environment; motion: of objects while the shutter is
         open; pose: the slice of it that a copy of the scene stands for, made by time_slices.py
     object_to_world: float64 (n_objects, 4, 4), where the mesh table has objects; None = not told
@@ -268,7 +268,7 @@ class Scene:
     backdrop: EnvironmentMap | WorldProgram | None = None
     transparent_film: bool = False
     exposure: float = 1.0
-    occlusion_distance: float = 0.0
+    asked: AskedPasses = NO_PASSES
     measured: MeasuredBrdfs = NO_MEASURED
     lamps: Lamps = NO_LAMPS
     motion: ObjectMotion | None = None

@@ -8,7 +8,6 @@ import bpy
 
 from .job import ENGINE
 from .panel_base import IWISPanel
-from .passes import TABLE
 from .preferences import add_on_preferences, cache_dir
 from .sampling_presets import IWIS_PT_sampling_presets
 
@@ -213,49 +212,7 @@ class IWIS_PT_film_pixel_filter(IWISPanel, bpy.types.Panel):
             column.prop(iwis, "filter_width", text="Width")
 
 
-class _PassesPanel(IWISPanel):
-    bl_context = "view_layer"
-    bl_parent_id = "VIEWLAYER_PT_layer_passes"
-    group = ""
-
-    def draw(self, context):
-        column = self.split_layout().column()
-        for row in TABLE:
-            if row.flag and row.group == self.group:
-                owner = context.view_layer.iwis if row.owned else context.view_layer
-                column.prop(owner, row.flag)
-
-
-class IWIS_PT_passes_data(_PassesPanel, bpy.types.Panel):
-    bl_label = "Data"
-    group = "DATA"
-
-
-class IWIS_PT_passes_light(_PassesPanel, bpy.types.Panel):
-    bl_label = "Light"
-    group = "LIGHT"
-
-
-class IWIS_PT_passes_iwis(_PassesPanel, bpy.types.Panel):
-    bl_label = "IWIS"
-    group = "IWIS"
-
-
-class IWIS_PT_world_preview(IWISPanel, bpy.types.Panel):
-    bl_label = "Preview"
-    bl_context = "world"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return context.scene.world is not None and super().poll(context)
-
-    def draw(self, context):
-        self.layout.template_preview(context.scene.world)
-
-
 CLASSES = (
-    IWIS_PT_world_preview,
     IWIS_PT_sampling,
     IWIS_PT_sampling_viewport,
     IWIS_PT_sampling_render,
@@ -268,9 +225,6 @@ CLASSES = (
     IWIS_PT_film,
     IWIS_PT_film_pixel_filter,
     IWIS_PT_simplify,
-    IWIS_PT_passes_data,
-    IWIS_PT_passes_light,
-    IWIS_PT_passes_iwis,
 )
 
 

@@ -9,7 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
+from ..core.asked_passes import channels_of
 from ..core.film import LAYERS
 
 NAMES_OF_5 = bpy.app.version >= (5, 0, 0)
@@ -23,7 +25,8 @@ class Pass:
     name: what Blender, its compositor and its EXR files call it
     channel_ids: one letter a channel; kind: COLOR, VECTOR or VALUE, the socket's type
     flag: property of the view layer that asks for it, or of `view_layer.iwis`; "" = always there
-    group: DATA, LIGHT or IWIS, the panel that shows the flag
+    group: DATA, LIGHT, IWIS or CRYPTOMATTE, the panel that shows the flag
+    first: the channel of the layer that it begins with
     """
 
     layer: str
@@ -32,6 +35,7 @@ class Pass:
     kind: str
     flag: str
     group: str
+    first: int = 0
 
     @property
     def owned(self) -> bool:
@@ -43,6 +47,10 @@ class Pass:
         if not self.flag:
             return True
         return getattr(view_layer.iwis if self.owned else view_layer, self.flag)
+
+    def pixels(self, layers: dict) -> np.ndarray:
+        """Its channels of a tile's or film's layers, float32 (h, w, channels)."""
+        return layers[self.layer][..., self.first : self.first + len(self.channel_ids)]
 
 
 def _row(layer, name, channel_ids, kind, flag, group, name_in_4=None):
@@ -64,8 +72,10 @@ OWN_FLAGS = (
 TABLE = (
     _row("combined", "Combined", "RGBA", "COLOR", "", "DATA"),
     _row("depth", "Depth", "Z", "VALUE", "use_pass_z", "DATA"),
+    _row("mist", "Mist", "Z", "VALUE", "use_pass_mist", "DATA"),
     _row("position", "Position", "XYZ", "VECTOR", "use_pass_position", "DATA"),
     _row("normal", "Normal", "XYZ", "VECTOR", "use_pass_normal", "DATA"),
+    _row("uv", "UV", "UVA", "VECTOR", "use_pass_uv", "DATA"),
     _row("object_index", "Object Index", "X", "VALUE", "use_pass_object_index", "DATA", "IndexOB"),
     _row("material_index", "Material Index", "X", "VALUE", "use_pass_material_index", "DATA",
          "IndexMA"),
@@ -90,10 +100,39 @@ TABLE = (
 )
 # fmt: on
 
+# Kinds of Cryptomatte, each as many passes as the view layer's levels ask for -> their flags.
+MATTES = {
+    "Object": "use_pass_cryptomatte_object",
+    "Material": "use_pass_cryptomatte_material",
+    "Asset": "use_pass_cryptomatte_asset",
+}
+
 
 def wanted_passes(view_layer) -> list[Pass]:
-    """The rows of TABLE that the view layer asks for."""
-    return [row for row in TABLE if row.wanted(view_layer)]
+    """The passes that the view layer asks for: of TABLE, and its mattes."""
+    rows = [row for row in TABLE if row.wanted(view_layer)]
+    for kind in wanted_mattes(view_layer):
+        rows += matte_passes(kind, channels_of(view_layer.pass_cryptomatte_depth))
+    return rows
+
+
+def wanted_mattes(view_layer) -> list[str]:
+    """The kinds of MATTES that the view layer asks for."""
+    return [kind for kind, flag in MATTES.items() if getattr(view_layer, flag)]
+
+
+def matte_layer(kind: str) -> str:
+    """The layer of a kind of MATTES."""
+    return f"crypto_{kind.lower()}"
+
+
+def matte_passes(kind: str, channels: int) -> list[Pass]:
+    """A kind of MATTES that has so many channels, four a pass."""
+    own = "rgba", "COLOR", MATTES[kind], "CRYPTOMATTE"
+    return [
+        Pass(matte_layer(kind), f"Crypto{kind}{k // 4:02d}", *own, first=k)
+        for k in range(0, channels, 4)
+    ]
 
 
 def register_passes(engine, scene, view_layer) -> None:

@@ -11,6 +11,7 @@ from . import (
     panels,
     panels_camera,
     panels_lamp,
+    panels_passes,
     panels_status,
     preferences,
     properties,
@@ -31,6 +32,7 @@ MODULES = (
     panels,
     panels_camera,
     panels_lamp,
+    panels_passes,
     panels_status,
     measured,
 )

@@ -17,6 +17,7 @@ from . import dependencies, stereo
 from .export import ExportCancelled, export_scene
 from .export.motion import export_in_motion
 from .job import RenderJob, RenderRecord
+from .manifest import stamp_mattes
 from .number_film import NumberFilm
 from .output import check_room
 from .passes import add_passes
@@ -82,6 +83,7 @@ class FinalRender:
             camera = stereo.camera_of_view(self.engine, depsgraph.scene_eval, self.scene, view)
             self._render_view(view, dataclasses.replace(self.scene, camera=camera), rows)
         self._raise_interrupt()
+        stamp_mattes(self.engine.get_result(), self.layer, self.scene.asked.mattes)
         check_room(depsgraph.scene_eval, sum(len(row.channel_ids) for row in rows))
 
     def _cancelled(self) -> bool:

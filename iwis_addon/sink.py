@@ -60,7 +60,7 @@ class BlenderSink:
         for row in self._rows:
             # foreach_set of float32: assigning to rect is some hundred times slower.
             target = passes.find_by_name(row.name, self._view)
-            target.rect.foreach_set(tile.layers[row.layer].ravel())
+            target.rect.foreach_set(row.pixels(tile.layers).ravel())
         self._engine.end_result(result)
         for film in self._films:
             film.write_tile(tile)

@@ -32,6 +32,7 @@ CORE_MAY_ALSO_IMPORT = {
 MAY_IMPORT_OF_CORE = {
     "iwis_addon/export": {"scene", "settings", "film", "measured", "table_cache", "program"}
     | {
+        "asked_passes",
         "lamps",
         "emitters",
         "islands",
@@ -45,7 +46,7 @@ MAY_IMPORT_OF_CORE = {
         "nodes/world_map",
     },
     "iwis_addon/settings.py": {"scene", "settings", "film"},
-    "iwis_addon/passes.py": {"scene", "settings", "film"},
+    "iwis_addon/passes.py": {"scene", "settings", "film", "asked_passes"},
 }
 
 

@@ -10,6 +10,7 @@ motion, object_motion        camera and objects at other times, where the shutte
 material, shader_reader      shader nodes to rows of materials, and to closures of programs
 program_builder, ..._nodes, ..._images, surface_data
                              value nodes to operations, with all that these look up
+asked                        passes on request: mist, mattes, ambient occlusion
 measured                     materials with a measured BRDF in place of nodes
 live, late_sky               a window's scene, of which only what has changed is read again, and
                              whose skies are not waited for
@@ -21,9 +22,11 @@ import dataclasses
 
 import numpy as np
 
+from ...core.asked_passes import NO_PASSES
 from ...core.emitters import with_emitters
 from ...core.program import Shaders
 from ...core.scene import NO_MEASURED, Scene
+from .asked import read_asked
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
 from .lamps import LINKING
@@ -45,8 +48,6 @@ __all__ = [
     "film_exposure",
 ]
 
-# Cycles' own, of a scene without a world.
-_OCCLUSION_DISTANCE = 10.0
 _TURNED = (
     "its emission depends on where it is seen from: as such it is seen, but it lights other "
     "surfaces in all directions as it does straight ahead"
@@ -108,7 +109,7 @@ def export_scene(
         transparent_film=scene.render.film_transparent,
         measured=measured or NO_MEASURED,
         exposure=film_exposure(scene),
-        occlusion_distance=0.0 if live is not None else _occlusion_distance(depsgraph),
+        asked=NO_PASSES if live is not None else read_asked(depsgraph, geometry),
         object_to_world=None if live is None else _places(geometry),
     )
     _warn_of_linking(depsgraph, geometry, unlit, warnings)
@@ -147,14 +148,6 @@ def _warn_of_linking(depsgraph, geometry: MeshExport, scene: Scene, warnings: li
             continue
         if any(slot.material and slot.material.name in shining for slot in obj.material_slots):
             warnings.append(f'object "{obj.name}": {LINKING}')
-
-
-def _occlusion_distance(depsgraph) -> float:
-    """Metres, of the world; 0 where the view layer has no Ambient Occlusion pass."""
-    if not depsgraph.view_layer_eval.use_pass_ambient_occlusion:
-        return 0.0
-    world = world_of(depsgraph)
-    return _OCCLUSION_DISTANCE if world is None else float(world.light_settings.distance)
 
 
 def film_exposure(scene) -> float:

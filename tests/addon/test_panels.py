@@ -9,7 +9,13 @@ import pytest
 import iwis
 from iwis.core.scene import PANORAMAS
 from iwis.core.stats import RenderStats
-from iwis.iwis_addon import panels, panels_camera, panels_lamp, panels_status
+from iwis.iwis_addon import (
+    panels,
+    panels_camera,
+    panels_lamp,
+    panels_passes,
+    panels_status,
+)
 from iwis.iwis_addon.job import RenderJob, RenderRecord
 from iwis.iwis_addon.preferences import IWISPreferences
 from iwis.iwis_addon.sampling_presets import SETTINGS
@@ -85,7 +91,13 @@ def test_unregister_takes_everything_back():
 
 
 CAMERA_PANELS = [panels_camera.IWIS_PT_motion_blur, panels_camera.IWIS_PT_motion_blur_curve]
-PANELS = [*panels.CLASSES, *CAMERA_PANELS, *panels_status.CLASSES, IWISPreferences]
+PANELS = [
+    *panels.CLASSES,
+    *CAMERA_PANELS,
+    *panels_passes.CLASSES,
+    *panels_status.CLASSES,
+    IWISPreferences,
+]
 
 
 class Layout:
@@ -125,6 +137,7 @@ class Layout:
 @pytest.mark.parametrize("cls", PANELS, ids=lambda cls: cls.__name__)
 def test_panels_draw_what_exists(scene, cls):
     """Every property and operator that a panel names is there, and something is drawn."""
+    scene.world = bpy.data.worlds.new("World")
     panel = types.SimpleNamespace(layout=Layout(), group=getattr(cls, "group", ""))
     panel.split_layout = lambda: panel.layout
     panel.bl_rna = types.SimpleNamespace(properties={"cache_dir"})

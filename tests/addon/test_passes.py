@@ -14,8 +14,10 @@ IS_5 = bpy.app.version >= (5, 0, 0)
 EXPECTED = {
     "Combined": ("Combined", 4),
     "Depth": ("Depth", 1),
+    "Mist": ("Mist", 1),
     "Position": ("Position", 3),
     "Normal": ("Normal", 3),
+    "UV": ("UV", 3),
     "Object Index": ("IndexOB", 1),
     "Material Index": ("IndexMA", 1),
     "Diffuse Direct": ("DiffDir", 3),

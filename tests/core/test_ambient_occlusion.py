@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from iwis.core.asked_passes import AskedPasses
 from support.scenes import camera_at, constant_world, diffuse, floor, make_picture, make_scene, quad
 
 FILTERS = ("CENTER", "BOX")
@@ -14,7 +15,7 @@ def _pass(parts, reach, pixel_filter="CENTER", **settings):
     """float32 (8, 8, 3) and the shadow rays, of a metre of the floor, seen from under a roof."""
     camera = camera_at((0.0, 0.0, 0.6), (0.0, 0.01, 0.0), 8, 8, 0.6)
     scene = make_scene(parts, [diffuse()] * len(parts), constant_world(), camera)
-    scene = dataclasses.replace(scene, occlusion_distance=reach)
+    scene = dataclasses.replace(scene, asked=AskedPasses(occlusion_distance=reach))
     settings = {"max_samples": 256, "stop_rule": "FIXED"} | settings
     layers, stats = make_picture(scene, pixel_filter=pixel_filter, **settings)
     return layers["ambient_occlusion"], stats.shadow_rays

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from iwis.core.accel import Accel
+from iwis.core.asked_passes import AskedPasses, UvMaps
 from iwis.core.moving_accel import MovingAccel
 from iwis.core.object_motion import ObjectMotion
 from iwis.core.pass_rays import pass_slices
@@ -126,6 +127,24 @@ def test_pixels_see_every_part_of_the_time():
     assert all(len(np.unique(one)) == 4 for one in seen)
     counts = np.bincount(seen.ravel(), minlength=SLICES)
     np.testing.assert_allclose(counts, seen.size / SLICES, rtol=0.2)  # the order inside is drawn
+
+
+@pytest.mark.slow
+def test_uv_moves_with_its_object():
+    """A floor that goes 1.2 m along x: the mean place on its map lies .6 m behind."""
+    camera = standing_camera(camera_above(16, 8))
+    motion = motion_of([0], [lambda t: turn_and_shift(0.0, (1.2 * (t + 0.5), 0.0, 0.0))])
+    scene = make_scene([floor(4.0)], [diffuse()], constant_world(), camera)
+    corners = scene.mesh.vertices[scene.mesh.triangles][..., :2].astype(np.float32)
+    maps = UvMaps(np.arange(len(corners), dtype=np.int32), corners, np.array([False]))
+    asked = AskedPasses(uv=maps)
+    scene = dataclasses.replace(scene, motion=motion, asked=asked)
+    settings = {"pixel_filter": "BOX", "stop_rule": "FIXED", "max_samples": 128}
+    uv = make_picture(scene, **settings)[0]["uv"]
+    middle = (np.arange(16) + 0.5) / 16 * 1.8 - 0.9
+    # 8 x 16 passes at drawn times in sixteenths of the shutter's: .35 m / 16 / sqrt(8) and less.
+    np.testing.assert_allclose(uv[..., 0].mean(axis=0), middle - 0.6, atol=0.03)
+    np.testing.assert_allclose(uv[..., 2], 1.0, atol=1e-6)
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from iwis.core import pass_plan, pass_samples
+from iwis.core.asked_passes import AskedPasses
 from iwis.core.block_loop import BLOCK_POINTS, PASSES_AT_ONCE
 from iwis.core.lamps import SPHERE, make_lamps
 from iwis.core.neighbours import CELL_PX
@@ -125,7 +126,7 @@ LAMPS = [{"kind": SPHERE, "position": (1.0, 1.0, 2.0), "size": (0.3, 0.0)}]
     ("most", "fields"),
     [
         (64, {}),
-        (90, {"occlusion_distance": 0.5}),
+        (90, {"asked": AskedPasses(occlusion_distance=0.5)}),
         (64, {"lamps": make_lamps([row | {"radiance": (5.0, 4.0, 3.0)} for row in LAMPS])}),
         (64, {"object_flags": np.uint8([PLAIN | SHADOW_CATCHER, PLAIN])}),
     ],

@@ -1,0 +1,51 @@
+"""Passes that need no light: mist, UV and mattes, of all points that a pixel's rays hit.
+
+They cost nothing where the scene asks for none of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .catchers import plays
+from .cryptomatte import TileMattes
+from .scene import HOLDOUT, Scene
+from .shading import ShadingPoints
+from .surface_numbers import TileMist, TileUv
+
+
+class SurfacePasses:
+    """Of n pixels of one tile."""
+
+    def __init__(self, scene: Scene, n: int):
+        asked = scene.asked
+        self._kinds = [TileMattes(matte, scene.mesh, n) for matte in asked.mattes]
+        if asked.mist is not None:
+            self._kinds.append(TileMist(n))
+        if asked.uv is not None:
+            self._kinds.append(TileUv(n))
+
+    @property
+    def wanted(self) -> bool:
+        """Whether there is anything to do."""
+        return bool(self._kinds)
+
+    def add(self, scene: Scene, points: ShadingPoints, place: np.ndarray) -> None:
+        """Add points to their pixels, of which holdouts show nothing.
+
+        scene: at their slice of the shutter's time; place: int32 (k,), -1 = none
+        """
+        if not self.wanted:
+            return
+        shown = ~plays(scene, points, HOLDOUT) & (place >= 0)
+        if not shown.all():
+            points, place = points.at(shown), place[shown]
+        for kind in self._kinds:
+            kind.add(scene, points, place)
+
+    def write(self, layers: dict[str, np.ndarray], rows, passes: np.ndarray) -> None:
+        """Write the layers of a tile. rows: its pixels; passes: int (k,), rays of each."""
+        shape, passes = layers["combined"].shape[:2], np.maximum(passes, 1)
+        for kind in self._kinds:
+            values = kind.values(rows, passes)
+            layers[kind.layer] = values.reshape(*shape, -1).astype(np.float32)

@@ -1,0 +1,69 @@
+"""The passes that a view layer asks for and that take something of the scene beside its light."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...core.asked_passes import AskedPasses, Matte, Mist, UvMaps
+from ..passes import matte_layer, wanted_mattes
+from .mesh import MeshExport
+from .surface_data import surface_data
+from .world import world_of
+
+# Cycles' own, of a scene without a world.
+_OCCLUSION_DISTANCE = 10.0
+_MIST = Mist(5.0, 25.0, 2.0)
+_POWERS = {"QUADRATIC": 2.0, "LINEAR": 1.0, "INVERSE_QUADRATIC": 0.5}
+_UV = "uv:"  # the active map
+# What Cycles calls what has no material.
+_NO_MATERIAL = "default_surface"
+
+
+def read_asked(depsgraph, geometry: MeshExport) -> AskedPasses:
+    """Of the graph's view layer; the names of mattes are those of Blender's data."""
+    layer, world = depsgraph.view_layer_eval, world_of(depsgraph)
+    occlusion, mist, uv = 0.0, None, None
+    if layer.use_pass_ambient_occlusion:
+        occlusion = _OCCLUSION_DISTANCE if world is None else float(world.light_settings.distance)
+    if layer.use_pass_mist:
+        mist = _MIST if world is None else _mist_of(world.mist_settings)
+    if layer.use_pass_uv:
+        uv = _uv_maps(geometry)
+    levels = layer.pass_cryptomatte_depth
+    mattes = tuple(_matte(kind, levels, geometry) for kind in wanted_mattes(layer))
+    return AskedPasses(occlusion, mist, uv, mattes)
+
+
+def _uv_maps(geometry: MeshExport) -> UvMaps:
+    requests = (frozenset({_UV}),) * len(geometry.materials)
+    found = surface_data(geometry.inventory, geometry.mesh, geometry.kept, requests, [])
+    corners = found.tables.get(_UV)
+    if corners is None:
+        none = np.full_like(found.row, -1)
+        return UvMaps(none, np.zeros((0, 3, 2), np.float32), found.mirrored)
+    return UvMaps(found.row, corners, found.mirrored)
+
+
+def _mist_of(settings) -> Mist:
+    return Mist(float(settings.start), float(settings.depth), _POWERS[settings.falloff])
+
+
+def _matte(kind: str, levels: int, geometry: MeshExport) -> Matte:
+    """One of passes.MATTES."""
+    inventory = geometry.inventory
+    if kind == "Material":
+        rows = [_NO_MATERIAL if one is None else one.name for one in geometry.materials]
+    elif kind == "Asset":
+        rows = [_topmost(look.asked.own).name for look in inventory.looks]
+    else:
+        rows = [instance.name for instance in inventory.instances]
+    names = {name: number for number, name in enumerate(dict.fromkeys(rows))}
+    number = np.array([names[name] for name in rows], np.int32)
+    return Matte(matte_layer(kind), levels, kind == "Material", number, tuple(names))
+
+
+def _topmost(obj):
+    """The object that is parent to all: it and what hangs from it are one asset, as in Cycles."""
+    while obj.parent is not None:
+        obj = obj.parent
+    return obj
