@@ -44,6 +44,23 @@ NO_FACES = LampFaces(
 )
 
 
+class LampLink(NamedTuple):
+    """Which objects some lamps are about, bool (n_objects,) each; None: all.
+
+    receivers: those that they light; blockers: those that throw shadows of them
+    """
+
+    receivers: np.ndarray | None
+    blockers: np.ndarray | None
+
+    def same(self, other: LampLink) -> bool:
+        """Whether two are equal."""
+        return all(
+            a is b or (a is not None and b is not None and np.array_equal(a, b))
+            for a, b in zip(self, other, strict=True)
+        )
+
+
 class Lamps(NamedTuple):
     """n lamps, in world space, metres.
 
@@ -63,6 +80,7 @@ class Lamps(NamedTuple):
         inverse of the range of cosines over which its edge is soft
     spread: float32 (n, 2): an area's radiance at an angle a from its axis is multiplied by
         max(0, spread[0] - tan a) spread[1]; spread[0] = infinity: by 1
+    link: int32 (n,), row of Scene.lamp_links, -1 = it is about all objects
     span: int32 (n, 3), first row of a MESH in faces, the row after its last, the root of its tree
     faces: of all, with the radiance of each
     """
@@ -79,6 +97,7 @@ class Lamps(NamedTuple):
     to_cone: np.ndarray
     cone: np.ndarray
     spread: np.ndarray
+    link: np.ndarray
     span: np.ndarray
     faces: LampFaces
 
@@ -108,7 +127,8 @@ def make_lamps(rows: list[dict], faces: LampFaces = NO_FACES) -> Lamps:
     n = len(rows)
     columns = {name: np.zeros((n, *shape), np.float32) for name, shape in _SHAPES.items()}
     columns |= {"kind": np.zeros(n, np.int8), "shadow": np.ones(n, np.bool_)}
-    columns |= {"span": np.zeros((n, 3), np.int32), "faces": faces}
+    columns |= {"link": np.full(n, -1, np.int32), "span": np.zeros((n, 3), np.int32)}
+    columns["faces"] = faces
     columns["seen_by"] = np.full(n, BY_DIFFUSE | BY_GLOSSY, np.int8)
     columns["cone"][:, 0], columns["spread"][:, 0] = EVERYWHERE, np.inf
     columns["forward"][:, 2], columns["right"][:, 0], columns["up"][:, 1] = -1.0, 1.0, 1.0

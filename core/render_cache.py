@@ -10,6 +10,7 @@ import numpy as np
 from .accel import Accel
 from .backdrop import Backdrop
 from .environment import make_lookup
+from .lamps import LampLink
 from .light_cache import light_key, load_light, save_light
 from .light_rays import Light, make_light
 from .light_tree import build_pyramid
@@ -24,17 +25,20 @@ from .table_cache import table_folder
 
 
 class _Built(NamedTuple):
-    """What hierarchies were made of; programs: of Shaders; places: Scene.object_to_world."""
+    """What hierarchies were made of; programs: of Shaders; places: Scene.object_to_world;
+    links: Scene.lamp_links."""
 
     triangles: np.ndarray
     programs: tuple | None
     flags: np.ndarray | None
     places: np.ndarray | None
+    links: tuple[LampLink, ...]
 
     @classmethod
     def of(cls, scene: Scene) -> _Built:
         programs = None if scene.shaders is None else scene.shaders.programs
-        return cls(scene.mesh.triangles, programs, scene.object_flags, scene.object_to_world)
+        own = scene.object_flags, scene.object_to_world, scene.lamp_links
+        return cls(scene.mesh.triangles, programs, *own)
 
     def moves(self, now: _Built) -> Moves | None:
         """What has moved, where nothing else has changed; else None."""
@@ -44,7 +48,13 @@ class _Built(NamedTuple):
             return None
         if not (self.flags is now.flags or np.array_equal(self.flags, now.flags)):
             return None
+        if not _same_links(self.links, now.links):
+            return None
         return moves_between(self.places, now.places)
+
+
+def _same_links(links: tuple[LampLink, ...], others: tuple[LampLink, ...]) -> bool:
+    return len(links) == len(others) and all(map(LampLink.same, links, others))
 
 
 class RenderCache:
@@ -57,7 +67,7 @@ class RenderCache:
         self._accel: Accel | None = None
         self._parts: RayParts | None = None
         self._built: _Built | None = None  # what either was made of
-        self._masks: tuple[tuple, RayMasks | None] | None = None
+        self._masks: tuple[tuple, tuple, RayMasks | None] | None = None
         self._moved = False  # whether either was asked for objects that have moved
         self._environment: EnvironmentMap | None = None
         self._light: Light | None = None
@@ -107,10 +117,16 @@ class RenderCache:
     def _ray_masks(self, scene: Scene) -> RayMasks | None:
         """The last ones while what they are made of is the same: grids take their time."""
         made_of = scene.mesh, scene.materials, scene.shaders, scene.object_flags
-        if self._masks is None or any(map(operator.is_not, made_of, self._masks[0])):
+        links = scene.lamp_links
+        known = self._masks
+        if (
+            known is None
+            or any(map(operator.is_not, made_of, known[0]))
+            or not _same_links(links, known[1])
+        ):
             self._masks = None
-            self._masks = made_of, ray_masks(scene)
-        return self._masks[1]
+            self._masks = made_of, links, ray_masks(scene)
+        return self._masks[2]
 
     def _settle(self) -> None:
         """End what the last _moved_rays did to the hierarchies that are kept."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .asked_passes import NO_PASSES, AskedPasses
-from .lamps import NO_LAMPS, Lamps
+from .lamps import NO_LAMPS, LampLink, Lamps
 from .object_motion import ObjectMotion, Pose
 from .program import Shaders, WorldProgram
 
@@ -27,14 +27,8 @@ PANORAMAS = {
     "FISHEYE_EQUIDISTANT": ("fov",),
     "FISHEYE_EQUISOLID": ("fov", "sensor_width", "sensor_height", "lens"),
     "FISHEYE_LENS_POLYNOMIAL": (
-        "fov",
-        "sensor_width",
-        "sensor_height",
-        "k0",
-        "k1",
-        "k2",
-        "k3",
-        "k4",
+        *("fov", "sensor_width", "sensor_height"),
+        *("k0", "k1", "k2", "k3", "k4"),
     ),
     "CENTRAL_CYLINDRICAL": ("u_min", "u_max", "v_min", "v_max", "axis"),
 }
@@ -251,8 +245,9 @@ class Scene:
     backdrop: what camera rays that hit nothing see in place of environment; None = the same
     transparent_film: alpha 0 where the camera sees the world; exposure: factor of the film
     asked: passes made on request; measured: the BRDFs that materials of model MEASURED name
-    lamps: what lights the scene beside its environment; motion: of objects while the shutter is
-        open; pose: the slice of it that a copy of the scene stands for, made by time_slices.py
+    lamps: what lights the scene beside its environment; lamp_links: which objects these are about
+    motion: of objects while the shutter is open; pose: the slice of it that a copy of the scene
+        stands for, made by time_slices.py
     object_to_world: float64 (n_objects, 4, 4), where the mesh table has objects; None = not told
     """
 
@@ -271,6 +266,7 @@ class Scene:
     asked: AskedPasses = NO_PASSES
     measured: MeasuredBrdfs = NO_MEASURED
     lamps: Lamps = NO_LAMPS
+    lamp_links: tuple[LampLink, ...] = ()
     motion: ObjectMotion | None = None
     pose: Pose | None = None
     object_to_world: np.ndarray | None = None

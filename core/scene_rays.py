@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,6 +42,7 @@ class RayMasks:
     solid: what throws a shadow that Embree knows of, opaque or with a grid of ``opacity``
     cut: what throws a shadow and is looked at hit by hit
     catcher: what catches shadows, and throws none on others of its kind
+    linked: for each of Scene.lamp_links what throws shadows of its lamps
     """
 
     camera: np.ndarray
@@ -48,13 +50,12 @@ class RayMasks:
     cut: np.ndarray
     catcher: np.ndarray
     opacity: Opacity | None
+    linked: tuple[np.ndarray, ...] = ()
 
     def same(self, other: RayMasks) -> bool:
         """Whether two are equal."""
-        pairs = (
-            (getattr(self, f), getattr(other, f)) for f in ("camera", "solid", "cut", "catcher")
-        )
-        if not all(np.array_equal(a, b) for a, b in pairs):
+        own, others = ((m.camera, m.solid, m.cut, m.catcher, *m.linked) for m in (self, other))
+        if len(own) != len(others) or not all(map(np.array_equal, own, others)):
             return False
         return self.opacity is other.opacity or (
             self.opacity is not None and self.opacity.same(other.opacity)
@@ -65,17 +66,23 @@ def ray_masks(scene: Scene) -> RayMasks | None:
     """Who sees which triangles; None: all rays see all of them, and nothing lets rays through."""
     materials, objects = cut_materials(scene), scene.object_flags
     plain = CAMERA_RAYS | SHADOW_RAYS
-    if materials is None and (objects is None or (objects & ~np.uint8(HOLDOUT) == plain).all()):
+    alike = objects is None or (objects & ~np.uint8(HOLDOUT) == plain).all()
+    all_block = all(link.blockers is None for link in scene.lamp_links)
+    if materials is None and alike and all_block:
         return None
     mesh = scene.mesh
     every = np.ones(len(mesh.triangles), np.bool_)
+    linked = tuple(
+        every if link.blockers is None else link.blockers[mesh.object_index]
+        for link in scene.lamp_links
+    )
     flags = None if objects is None else objects[mesh.object_index]
     camera, shadow = (
         every if flags is None else (flags & kind) != 0 for kind in (CAMERA_RAYS, SHADOW_RAYS)
     )
     catcher = ~every if flags is None else (flags & SHADOW_CATCHER) != 0
     if materials is None:
-        return RayMasks(camera, shadow, ~every, catcher, None)
+        return RayMasks(camera, shadow, ~every, catcher, None, linked)
     programs = scene.shaders.programs
     able = can_filter()
     pairs = zip(materials, programs, strict=True)
@@ -88,7 +95,7 @@ def ray_masks(scene: Scene) -> RayMasks | None:
     if opacity is not None:
         with_grid = opacity.row >= 0
     solid, hit_by_hit = shadow & (~cut | with_grid), shadow & cut & ~with_grid
-    return RayMasks(camera, solid, hit_by_hit, catcher, opacity)
+    return RayMasks(camera, solid, hit_by_hit, catcher, opacity, linked)
 
 
 class PartAccel:
@@ -132,11 +139,26 @@ class PartAccel:
         return hit, u, v
 
 
-_PARTS = ("solid", "camera", "cut", "others")  # of RayParts
+class Shadows(NamedTuple):
+    """The hierarchies of what throws shadows: of all objects, or of those linked to some lamps.
+
+    solid, cut: of RayMasks, cut = None where there is nothing; others: solid without catchers
+    """
+
+    solid: PartAccel
+    cut: PartAccel | None
+    others: PartAccel
+
+    def each(self, change) -> Shadows:
+        """change(part) of all of them."""
+        return Shadows(*(None if part is None else change(part) for part in self))
 
 
 class RayParts:
-    """The hierarchies that masks ask for; equal ones are built once."""
+    """The hierarchies that masks ask for; equal ones are built once.
+
+    camera: what the camera sees; shadows: of all objects; linked: Shadows of each lamp link
+    """
 
     def __init__(
         self,
@@ -145,64 +167,91 @@ class RayParts:
         cancelled=lambda: False,
         motion: ObjectMotion | None = None,
     ):
-        def part(mask, opacity=None):
-            return PartAccel(mesh, mask, cancelled, opacity, motion)
-
         self.mesh, self.masks = mesh, masks
-        self.solid = part(masks.solid, masks.opacity)
+        self._build = lambda mask, opacity: PartAccel(mesh, mask, cancelled, opacity, motion)
+        self._built: list[tuple] = []
+        self.shadows = self._shadows(masks.solid, masks.cut)
         same = np.array_equal(masks.camera, masks.solid)
-        self.camera = self.solid if same else part(masks.camera)
-        self.cut = part(masks.cut) if masks.cut.any() else None
-        self.others = self.solid
-        if masks.catcher.any():
-            self.others = part(masks.solid & ~masks.catcher, masks.opacity)
+        self.camera = self.shadows.solid if same else self._part(masks.camera, None)
+        self.linked = [self._shadows(masks.solid & own, masks.cut & own) for own in masks.linked]
+        del self._build, self._built
+
+    def _part(self, mask: np.ndarray, opacity) -> PartAccel:
+        for built, own, part in self._built:
+            if own is opacity and np.array_equal(built, mask):
+                return part
+        part = self._build(mask, opacity)
+        self._built.append((mask, opacity, part))
+        return part
+
+    def _shadows(self, solid: np.ndarray, cut: np.ndarray) -> Shadows:
+        masks = self.masks
+        return Shadows(
+            self._part(solid, masks.opacity),
+            self._part(cut, None) if cut.any() else None,
+            self._part(solid & ~masks.catcher, masks.opacity),
+        )
+
+    def _each(self, change) -> RayParts:
+        """change(part) of all of them, once each."""
+        other, made = copy.copy(self), {}
+
+        def once(part):
+            if part not in made:
+                made[part] = change(part)
+            return made[part]
+
+        other.camera, other.shadows = once(self.camera), self.shadows.each(once)
+        other.linked = [shadows.each(once) for shadows in self.linked]
+        return other
 
     def at(self, number: int) -> RayParts:
         """The same at a slice of the shutter's time."""
-        other = copy.copy(self)
-        for name in _PARTS:
-            own = getattr(self, name)
-            setattr(other, name, None if own is None else own.at(number))
-        return other
+        return self._each(lambda part: part.at(number))
 
     def moved(self, mesh: TriangleMesh, moves: Moves, cancelled=lambda: False) -> RayParts | None:
         """The same of a mesh that differs by moves; see moved_accel.moved."""
-        other, made = copy.copy(self), {}
+        failed = []
+
+        def change(part):
+            other = part.moved(mesh, moves, cancelled)
+            failed.extend([part] if other is None else [])
+            return other
+
+        other = self._each(change)
         other.mesh = mesh
-        for name in _PARTS:
-            own = getattr(self, name)
-            if own is not None and own not in made:
-                made[own] = own.moved(mesh, moves, cancelled)
-            setattr(other, name, made.get(own))
-        return None if None in made.values() else other
+        return None if failed else other
 
     def settle(self) -> None:
         """See moved_accel.settled."""
-        for name in _PARTS:
-            own = getattr(self, name)
-            if own is not None:
-                settled(own.accel)
+        self._each(lambda part: settled(part.accel))
 
 
 class SceneRays:
     """What a render asks of an Accel, for one scene and its materials."""
 
-    def __init__(self, scene: Scene, parts: RayParts, catchers: bool = True):
-        """catchers: whether they throw shadows"""
-        self._scene, self._parts = scene, parts
-        self._solid = parts.solid if catchers else parts.others
+    def __init__(self, scene: Scene, parts: RayParts, catchers: bool = True, link: int = -1):
+        """catchers: whether they throw shadows; link: row of Scene.lamp_links, -1 = all objects
+        do"""
+        self._scene, self._parts, self._catchers, self._link = scene, parts, catchers, link
+        shadows = parts.shadows if link < 0 else parts.linked[link]
+        self._solid, self._cut = shadows.solid if catchers else shadows.others, shadows.cut
         self.mesh, self.offset = scene.mesh, parts.camera.accel.offset
         self.traversal = self._solid.accel.traversal
-        self.by_rays = parts.cut is not None
+        self.by_rays = self._cut is not None
 
     def at(self, number: int, scene: Scene) -> SceneRays:
         """The same at a slice of the shutter's time, of which ``scene`` is."""
-        return SceneRays(scene, self._parts.at(number))
+        return SceneRays(scene, self._parts.at(number), self._catchers, self._link)
 
     @property
     def without_catchers(self) -> SceneRays:
         """For the shadows that fall on catchers."""
-        return SceneRays(self._scene, self._parts, catchers=False)
+        return SceneRays(self._scene, self._parts, catchers=False, link=self._link)
+
+    def linked(self, link: int) -> SceneRays:
+        """For the shadows of lamps that are linked to objects."""
+        return SceneRays(self._scene, self._parts, self._catchers, link)
 
     def intersect(self, origins: np.ndarray, directions: np.ndarray):
         """The nearest hits that the camera sees; see Accel."""
@@ -213,14 +262,14 @@ class SceneRays:
     ) -> np.ndarray:
         """Whether a ray ends at anything that throws a shadow; see Accel."""
         answer = self._solid.accel.occluded(origins, directions, out, reach, towards)
-        if self._parts.cut is None:
+        if self._cut is None:
             return answer
         out = answer != 0
         rays = np.flatnonzero(~out)
         origins, directions = origins[rays], directions[rays]
         reach = np.full(len(rays), np.inf, np.float32) if reach is None else reach[rays]
         for _ in range(MOST_LAYERS):
-            hit, u, v = self._parts.cut.intersect(origins, directions)
+            hit, u, v = self._cut.intersect(origins, directions)
             points = posed_points(self._scene.pose, self._scene.mesh, hit, u, v, directions)
             way = points.position - origins[points.pixel]
             reach = reach[points.pixel] - _length(way) / _length(directions[points.pixel])

@@ -37,6 +37,18 @@ class _Layers(NamedTuple):
     glossy_color: np.ndarray
 
 
+class _Group(NamedTuple):
+    """Lamps that are about the same objects. link: row of Scene.lamp_links, -1 = about all."""
+
+    lamps: Lamps
+    link: int
+
+
+def _groups(lamps: Lamps) -> list[_Group]:
+    links = np.unique(lamps.link)
+    return [_Group(lamps.at(lamps.link == link), int(link)) for link in links]
+
+
 class TileLamps:
     """What lamps bring to n pixels of one tile (none: costs nothing); 60 bytes a pixel.
 
@@ -46,8 +58,9 @@ class TileLamps:
     def __init__(self, scene: Scene, settings: RenderSettings, accel: Accel, n: int):
         soft = is_soft(scene.lamps)
         self._any, self._accel, self._settings = len(soft) > 0, accel, settings
+        self._links, self._object_of = scene.lamp_links, scene.mesh.object_index
         if self._any:
-            self._soft, self._hard = scene.lamps.at(soft), scene.lamps.at(~soft)
+            self._soft, self._hard = (_groups(scene.lamps.at(own)) for own in (soft, ~soft))
         self._light = np.zeros((n if self._any else 0, COLUMNS))
         self._count = np.zeros(len(self._light), np.int32)
         # Powers of two: blocks of the sequence that fill a lamp evenly.
@@ -116,16 +129,34 @@ class TileLamps:
             sums[:, COLUMNS] += _squared(light)
         return sums
 
-    def _add(self, layers, lamps, places, number, light, accel) -> None:
+    def _add(self, layers, groups, places, number, light, accel) -> None:
         apart = 0 if self._settings.decorrelation == "NONE" else 1
+        for lamps, link in groups:
+            blocking = self._blocking(link, accel)
+            for seen, of in self._lit(layers, link):
+                columns, rows = (apart * place[of].astype(np.int64) for place in places)
+                own = np.broadcast_to(number, len(places[0]))[of].astype(np.int64)
+                samples = LampSamples(columns, rows, own, self._settings.seed)
+                part = np.zeros((len(of), COLUMNS))
+                given = seen.points, seen.lobes, lamps, blocking, samples, part
+                self.traced += add_lamp_light(*given)
+                light[of] += part
+
+    def _blocking(self, link: int, accel):
+        """What throws shadows of the lamps of a link."""
+        linked = link >= 0 and self._links[link].blockers is not None
+        return accel.linked(link) if linked else accel
+
+    def _lit(self, layers, link: int):
+        """(SeenPoints, rows) of the points of each layer that the lamps of a link light."""
+        receivers = None if link < 0 else self._links[link].receivers
         for seen, of in layers:
-            columns, rows = (apart * place[of].astype(np.int64) for place in places)
-            own = np.broadcast_to(number, len(places[0]))[of].astype(np.int64)
-            samples = LampSamples(columns, rows, own, self._settings.seed)
-            part = np.zeros((len(of), COLUMNS))
-            given = seen.points, seen.lobes, lamps, accel, samples, part
-            self.traced += add_lamp_light(*given)
-            light[of] += part
+            if receivers is None:
+                yield seen, of
+                continue
+            lit = receivers[self._object_of[seen.points.triangle]]
+            if lit.any():
+                yield seen.at(lit), of[lit]
 
     def caught(self, layers, places, number, accel: Accel, sums: PixelSums) -> PixelSums:
         """The sums of points of passes on shadow catchers, with the lamps' light in all of them.
@@ -145,7 +176,7 @@ class TileLamps:
         found = []
         for others in (True, False):  # with the same numbers: a share of 1 has no noise
             light = np.zeros((len(sums.count), COLUMNS))
-            soft, hard = (_lamps(lamps, others) for lamps in (self._soft, self._hard))
+            soft, hard = (_alone(own, others) for own in (self._soft, self._hard))
             for k in range(count):
                 self._add(layers, soft, places, number * count + k, light, accel)
             light /= count
@@ -193,12 +224,12 @@ def _add_to_pixels(pixel, light, count, out, counts):
             out[pixel[k], c] += light[k, c]
 
 
-def _lamps(lamps: Lamps, others: bool) -> Lamps:
+def _alone(groups: list[_Group], others: bool) -> list[_Group]:
     """The lamps with or without the other objects: without them meshes do not shine either."""
     if others:
-        return lamps
-    own = lamps.at(lamps.kind != MESH)
-    return own._replace(shadow=np.zeros_like(own.shadow))
+        return groups
+    kept = [(lamps.at(lamps.kind != MESH), link) for lamps, link in groups]
+    return [_Group(own._replace(shadow=np.zeros_like(own.shadow)), link) for own, link in kept]
 
 
 def _squared(light) -> np.ndarray:

@@ -29,7 +29,6 @@ from ...core.scene import NO_MEASURED, Scene
 from .asked import read_asked
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
-from .lamps import LINKING
 from .live import LiveExport
 from .material import MaterialExport, export_shaders
 from .measured import add_measured, without_measured
@@ -112,8 +111,7 @@ def export_scene(
         asked=NO_PASSES if live is not None else read_asked(depsgraph, geometry),
         object_to_world=None if live is None else _places(geometry),
     )
-    _warn_of_linking(depsgraph, geometry, unlit, warnings)
-    return dataclasses.replace(unlit, lamps=_lamps(geometry, unlit, warnings))
+    return _with_lamps(unlit, geometry, warnings)
 
 
 def _places(geometry: MeshExport) -> np.ndarray:
@@ -121,33 +119,21 @@ def _places(geometry: MeshExport) -> np.ndarray:
     return np.array(places, np.float64).reshape(-1, 4, 4)
 
 
-def _lamps(geometry: MeshExport, scene: Scene, warnings: list[str]):
-    """The scene's lamps, and its faces that shine."""
+def _with_lamps(scene: Scene, geometry: MeshExport, warnings: list[str]) -> Scene:
+    """The scene with its lamps, and its faces that shine."""
     turned: list[int] = []
-    lamps = with_emitters(
-        geometry.inventory.lamps, scene.mesh, scene.materials.emission, scene, turned
-    )
+    inventory, emission = geometry.inventory, scene.materials.emission
+    every = [look.asked for look in inventory.looks]
+    link = inventory.links.rows_of(every)
+    lamps = with_emitters(inventory.lamps, scene.mesh, emission, scene, turned, link)
     for k in turned:
         if k < len(geometry.materials) and geometry.materials[k] is not None:
             reader = NodeReader(geometry.materials[k].name, geometry.material_users[k], warnings)
             reader.warn(None, _TURNED)
     if len(lamps.kind):
         warnings[:] = [line for line in warnings if not line.endswith((NO_LIGHT, NO_WORLD))]
-    return lamps
-
-
-def _warn_of_linking(depsgraph, geometry: MeshExport, scene: Scene, warnings: list[str]) -> None:
-    """Of objects that shine on some others alone; lamps.py does it for lights."""
-    rows = zip(geometry.materials, scene.materials.emission, strict=False)
-    shining = {material.name for material, emission in rows if material and emission.any()}
-    for obj in depsgraph.objects if shining else ():
-        linking = getattr(obj, "light_linking", None)
-        if obj.type == "LIGHT" or not linking:
-            continue
-        if not (linking.receiver_collection or linking.blocker_collection):
-            continue
-        if any(slot.material and slot.material.name in shining for slot in obj.material_slots):
-            warnings.append(f'object "{obj.name}": {LINKING}')
+    lamps, links = inventory.links.of_lamps(lamps, every)
+    return dataclasses.replace(scene, lamps=lamps, lamp_links=links)
 
 
 def film_exposure(scene) -> float:

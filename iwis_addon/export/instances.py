@@ -16,6 +16,7 @@ import numpy as np
 from ...core.nodes.hashing import hash_words
 from ...core.scene import CAMERA_RAYS, ROUND, SHADOW_RAYS
 from .errors import ExportCancelled
+from .lamp_links import LampLinks
 from .lamps import read_lamp
 from .left_out import UNSUPPORTED_TYPES, LeftOut
 from .local_mesh import LiveMeshes, LocalMesh
@@ -66,7 +67,7 @@ class Inventory(NamedTuple):
     materials: evaluated bpy materials, None where a slot is empty or an object has no slot
     sources: of PartReader, one a part, while the graph lives
     looks: one an instance
-    lamps: rows for core.lamps.make_lamps
+    lamps: rows for core.lamps.make_lamps; links: what these, and objects that shine, are about
     layer: the evaluated view layer, scene and world
     """
 
@@ -76,6 +77,7 @@ class Inventory(NamedTuple):
     sources: list
     looks: list[Look]
     lamps: list[dict]
+    links: LampLinks
     layer: tuple
 
 
@@ -118,7 +120,7 @@ class _Collector:
         self._named: list[int] = []  # rows whose random number comes from their name
         scene = depsgraph.scene_eval
         layer = depsgraph.view_layer_eval, scene, scene.world
-        self.inventory = Inventory([], [], [], [], [], [], layer)
+        self.inventory = Inventory([], [], [], [], [], [], LampLinks(depsgraph), layer)
         self.ignored, self.lamp_warnings = LeftOut(), []
 
     def _material_row(self, material) -> int:
@@ -246,6 +248,7 @@ class _Collector:
         elif kind == "LIGHT":
             lamp = read_lamp(obj, item.matrix_world, self.lamp_warnings)
             if lamp is not None:
+                lamp["link"] = self.inventory.links.row_of(obj)
                 self.inventory.lamps.append(lamp)
         elif kind in UNSUPPORTED_TYPES:
             reason = f"Not rendered, {UNSUPPORTED_TYPES[kind]} are not supported"

@@ -26,7 +26,6 @@ from ...core.lamps import (
 )
 from .node_values import NodeReader, follow
 
-LINKING = "light linking is not supported: it lights all, and all cast its shadow"
 _STEEPEST = 1e30  # of a spot's edge: float32 has no infinity that times zero is zero
 
 
@@ -80,9 +79,6 @@ def read_lamp(obj, matrix_world, warnings: list[str]) -> dict | None:
     if (strength < 0.0).any():
         nodes.warn(None, "negative light is not supported: it is left out")
         return None
-    linking = getattr(obj, "light_linking", None)
-    if linking and (linking.receiver_collection or linking.blocker_collection):
-        nodes.warn(None, LINKING)
     row = _ROWS[light.type](light, matrix, strength)
     if row is None or not strength.any():
         return None

@@ -113,19 +113,3 @@ def test_emission_by_direction_is_warned(scene):
     _, warnings = _faces_over_a_floor(add_emitter(1.0), "ShaderNodeLayerWeight", "Fresnel")
     assert len(warnings) == 1 and 'material "Glow"' in warnings[0]
     assert "depends on where it is seen from" in warnings[0]
-
-
-def test_light_linking_of_what_shines_is_warned(scene):
-    """Of an object that shines, by name; of one that does not it means nothing."""
-    add_emitter(1.0)
-    bpy.context.scene.world = bpy.data.worlds.new("Grey")
-    glowing = bpy.context.object
-    bpy.ops.mesh.primitive_plane_add(size=9.0)
-    for obj in (glowing, bpy.context.object):
-        obj.light_linking.receiver_collection = bpy.data.collections.new("Receivers")
-    lines = []
-    export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines)
-    assert [line for line in lines if "light linking" in line] == [
-        f'object "{glowing.name}": light linking is not supported: it lights all, and all cast its '
-        "shadow"
-    ]

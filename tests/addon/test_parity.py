@@ -15,6 +15,8 @@ _NOISY = (
     "Mix, three closures",
     "World, ramp by height",
     "Curves, metal",
+    "Linking: two lamps",
+    "Linking: emissive plane, shiny",
 )
 _CHOSEN = [case for case in ALL_CASES if not case.noisy][::10]
 _CHOSEN += [case for case in ALL_CASES if case.name in _NOISY]

@@ -8,6 +8,7 @@ from . import (
     flag_cases,
     image_cases,
     lamp_cases,
+    link_cases,
     lit_cases,
     normal_cases,
     property_cases,
@@ -33,5 +34,6 @@ _FAMILIES = (
     world_cases,
     element_cases,
     flag_cases,
+    link_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

@@ -25,6 +25,13 @@ def _glowing(make):
 _EVEN = _glow((1.0, 0.7, 0.3), 8.0)
 
 
+def glowing_plane(scene):
+    """A square that shines, above the cube."""
+    bpy.ops.mesh.primitive_plane_add(size=1.0, location=(1.0, -1.0, 2.5))
+    bpy.context.object.data.materials.append(_glowing(_EVEN))
+    return bpy.context.object
+
+
 def _emitter(name, add, make=matte, world=False, copies=1, glow=_EVEN, sampling="AUTO", **options):
     """add(k): makes the mesh object k in Blender; glow(tree): its shader"""
 
