@@ -68,6 +68,7 @@ class Program:
     displaced: a vector, the normal that counts as the surface's own; None: it is that of the mesh
     corrects_bumps: whether turned normals are shadowed and kept clear of the surface (core/bump.py,
         core/glossy_normal.py)
+    throws_whole_shadow: whether shadow rays end there however transparent it is
     """
 
     ops: tuple[Op, ...]
@@ -77,6 +78,7 @@ class Program:
     holdout: Value | None = None
     displaced: Ref | None = None
     corrects_bumps: bool = True
+    throws_whole_shadow: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

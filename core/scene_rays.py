@@ -84,6 +84,7 @@ def ray_masks(scene: Scene) -> RayMasks | None:
     if materials is None:
         return RayMasks(camera, shadow, ~every, catcher, None, linked)
     programs = scene.shaders.programs
+    materials &= [program is None or not program.throws_whole_shadow for program in programs]
     able = can_filter()
     pairs = zip(materials, programs, strict=True)
     baked = [able and cut and passes_by_place(program) for cut, program in pairs]

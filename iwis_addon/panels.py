@@ -28,10 +28,13 @@ _EXCLUDED_WORDS = (
     "speaker",
 )
 
-# EEVEE's panels that only show the node trees and lamps, and the passes' parent.
+# EEVEE's panels that only show the node trees, lamps and the lens, and the passes' parent.
 _SHARED_WITH_EEVEE = {
     "DATA_PT_EEVEE_light",
+    "DATA_PT_camera_dof",
+    "DATA_PT_camera_dof_aperture",
     "EEVEE_MATERIAL_PT_context_material",
+    "EEVEE_MATERIAL_PT_displacement",
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
     "MATERIAL_PT_preview",

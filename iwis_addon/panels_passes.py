@@ -1,4 +1,4 @@
-"""Panels of the view layer's passes, and of what the world says to some of them."""
+"""Panels of the view layer: its passes and overrides."""
 
 from __future__ import annotations
 
@@ -53,55 +53,23 @@ class IWIS_PT_passes_cryptomatte(IWISPanel, bpy.types.Panel):
         column.prop(layer, "pass_cryptomatte_depth", text="Levels")
 
 
-class _WorldPanel(IWISPanel):
-    bl_context = "world"
+class IWIS_PT_override(IWISPanel, bpy.types.Panel):
+    bl_label = "Override"
+    bl_context = "view_layer"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
-    @classmethod
-    def poll(cls, context):
-        return context.scene.world is not None and super().poll(context)
-
-
-class IWIS_PT_world_preview(_WorldPanel, bpy.types.Panel):
-    bl_label = "Preview"
-
     def draw(self, context):
-        self.layout.template_preview(context.scene.world)
-
-
-class IWIS_PT_world_mist(_WorldPanel, bpy.types.Panel):
-    bl_label = "Mist Pass"
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and context.view_layer.use_pass_mist
-
-    def draw(self, context):
-        layout, mist = self.split_layout(), context.scene.world.mist_settings
-        layout.prop(mist, "start")
-        layout.prop(mist, "depth")
-        layout.prop(mist, "falloff")
-
-
-class IWIS_PT_world_occlusion(_WorldPanel, bpy.types.Panel):
-    bl_label = "Ambient Occlusion Pass"
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and context.view_layer.use_pass_ambient_occlusion
-
-    def draw(self, context):
-        self.split_layout().prop(context.scene.world.light_settings, "distance")
+        layout, layer = self.split_layout(), context.view_layer
+        layout.prop(layer, "material_override")
+        layout.prop(layer, "world_override")
 
 
 CLASSES = (
-    IWIS_PT_world_preview,
-    IWIS_PT_world_mist,
-    IWIS_PT_world_occlusion,
     IWIS_PT_passes_data,
     IWIS_PT_passes_light,
     IWIS_PT_passes_cryptomatte,
     IWIS_PT_passes_iwis,
+    IWIS_PT_override,
 )
 
 

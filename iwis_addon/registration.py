@@ -11,8 +11,10 @@ from . import (
     panels,
     panels_camera,
     panels_lamp,
+    panels_object,
     panels_passes,
     panels_status,
+    panels_world,
     preferences,
     properties,
     sampling_presets,
@@ -32,8 +34,10 @@ MODULES = (
     panels,
     panels_camera,
     panels_lamp,
+    panels_object,
     panels_passes,
     panels_status,
+    panels_world,
     measured,
 )
 

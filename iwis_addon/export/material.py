@@ -143,23 +143,31 @@ def _surface_of(material, users, warnings, images):
             shaders.parts.transparent.append(np.ones(3, np.float32))
         else:
             reader.warn(output, "nothing is linked to Surface: black, as in Cycles")
-    return _finished(shaders.parts, builder, reader, _corrects_bumps(material))
+    return _finished(shaders.parts, builder, reader, _settings_of(material))
 
 
-def _corrects_bumps(material) -> bool:
-    """Cycles' setting Bump Map Correction, on where its add-on is not there."""
-    return getattr(getattr(material, "cycles", None), "use_bump_map_correction", True)
+class _Settings(NamedTuple):
+    """Of a material beside its nodes. corrects_bumps: Cycles' Bump Map Correction, on where its
+    add-on is not there; throws_whole_shadow: Transparent Shadows are off"""
+
+    corrects_bumps: bool
+    throws_whole_shadow: bool
+
+
+def _settings_of(material) -> _Settings:
+    corrects = getattr(getattr(material, "cycles", None), "use_bump_map_correction", True)
+    return _Settings(corrects, not material.use_transparent_shadow)
 
 
 def _finished(
-    parts: SurfaceParts, builder: ProgramBuilder, reader: NodeReader, corrects_bumps: bool
+    parts: SurfaceParts, builder: ProgramBuilder, reader: NodeReader, settings: _Settings
 ):
     """(row, program or None, requests) of all that a tree came to."""
     emission, transparent = builder.added(parts.emission), builder.added(parts.transparent)
     holdout = builder.added(parts.holdout)
     closures = _merged(parts.closures, builder)
     row = _finite(_row_of(closures, emission, builder), reader)
-    plain = transparent is None and holdout is None and corrects_bumps
+    plain = transparent is None and holdout is None and settings.corrects_bumps
     if plain and _is_row(closures, emission):
         return row, None, ()
     closures = closures or [Closure(BLACK, GGX, np.ones(3, np.float32), {})]
@@ -170,7 +178,7 @@ def _finished(
         transparent=transparent,
         holdout=holdout,
         displaced=builder.displaced,
-        corrects_bumps=corrects_bumps,
+        **settings._asdict(),
     )
     if parts.tinted and not passes_by_place(program):
         told = "a colored Transparent BSDF that depends on the ray throws a grey shadow"

@@ -205,6 +205,17 @@ def test_bump_map_correction(build):
     assert not export_shaders([material], []).programs[0].corrects_bumps
 
 
+def test_transparent_shadows(build):
+    """Off, what lets light through throws its whole shadow; of what does not it means nothing."""
+    pane = build.surface(build.node("ShaderNodeBsdfTransparent")).material
+    assert not export_shaders([pane], []).programs[0].throws_whole_shadow
+    pane.use_transparent_shadow = False
+    assert export_shaders([pane], []).programs[0].throws_whole_shadow
+    plain = build.surface(build.node("ShaderNodeBsdfDiffuse")).material
+    plain.use_transparent_shadow = False
+    assert export_shaders([plain], []).programs == (None,)
+
+
 def test_constants_are_found_through_links(build):
     """RGB and Value nodes, through a reroute and a muted node: exact, so no warning."""
     rgb = build.node("ShaderNodeRGB")

@@ -13,8 +13,10 @@ from iwis.iwis_addon import (
     panels,
     panels_camera,
     panels_lamp,
+    panels_object,
     panels_passes,
     panels_status,
+    panels_world,
 )
 from iwis.iwis_addon.job import RenderJob, RenderRecord
 from iwis.iwis_addon.preferences import IWISPreferences
@@ -25,12 +27,17 @@ from iwis.iwis_addon.settings import render_settings
 NEEDED = (
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_MATERIAL_PT_displacement",
     "EEVEE_WORLD_PT_surface",
     "WORLD_PT_context_world",
     "DATA_PT_EEVEE_light",
     "DATA_PT_spot",
     "DATA_PT_lens",
     "DATA_PT_camera",
+    "DATA_PT_camera_dof",
+    "DATA_PT_camera_dof_aperture",
+    "OBJECT_PT_shading",
+    "OBJECT_PT_visibility",
     "DATA_PT_preview",
     "RENDER_PT_format",
     "RENDER_PT_output",
@@ -96,6 +103,7 @@ PANELS = [
     *CAMERA_PANELS,
     *panels_passes.CLASSES,
     *panels_status.CLASSES,
+    *panels_world.CLASSES,
     IWISPreferences,
 ]
 
@@ -149,6 +157,54 @@ def test_panels_draw_what_exists(scene, cls):
     cls.draw(panel, bpy.context)
     has_children = any(getattr(c, "bl_parent_id", "") == cls.__name__ for c in PANELS)
     assert panel.layout.drawn or has_children
+
+
+def _drawn(context):
+    """What the object panels that show themselves draw."""
+    drawn = []
+    for cls in panels_object.CLASSES:
+        if cls.poll(context):
+            panel = types.SimpleNamespace(layout=Layout())
+            panel.split_layout = lambda panel=panel: panel.layout
+            cls.draw(panel, context)
+            drawn += panel.layout.drawn
+    return set(drawn)
+
+
+def test_objects_can_be_set(scene):
+    """What IWIS reads of a mesh, a lamp, a camera, and an empty that makes copies."""
+    mesh = bpy.data.objects.new("Mesh", bpy.data.meshes.new("Mesh"))
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    copies, empty = (bpy.data.objects.new(name, None) for name in ("Copies", "Empty"))
+    copies.instance_type = "COLLECTION"
+    copies.instance_collection = bpy.data.collections.new("Own")
+    shape = {
+        "visible_camera",
+        "visible_shadow",
+        "is_shadow_catcher",
+        "shadow_terminator_geometry_offset",
+        "motion_steps",
+    }
+    expected = {
+        mesh: shape,
+        copies: shape,
+        lamp: {"visible_diffuse", "visible_glossy"},
+        camera: {"motion_steps"},
+        empty: set(),
+    }
+    for obj, names in expected.items():
+        context = types.SimpleNamespace(engine="IWIS", object=obj, scene=scene)
+        assert _drawn(context) == names, obj.name
+    assert not _drawn(types.SimpleNamespace(engine="IWIS", object=None, scene=scene))
+
+
+def test_materials_can_be_set(scene):
+    """The index for the pass, transparent shadows, and Cycles' bump map correction."""
+    material = bpy.data.materials.new("M")
+    context = types.SimpleNamespace(engine="IWIS", object=None, material=material, scene=scene)
+    names = {"pass_index", "use_transparent_shadow", "use_bump_map_correction"}
+    assert _drawn(context) == names
 
 
 @pytest.mark.parametrize("kind", ["POINT", "SUN", "SPOT", "AREA"])

@@ -184,6 +184,15 @@ for _name, _material in {"tinted": _tinted, "stained": _stained}.items():
     CASES.append(Case(f"Transparent, {_name}, shadow of lamps", build, by_lamps=True, blurred=True))
 
 
+def _whole_shadow(scene, tree):
+    _over_a_floor(_tinted, ("SUN", 3.0), ("POINT", 200.0))(scene, tree)
+    for material in bpy.data.materials:
+        material.use_transparent_shadow = False
+
+
+CASES.append(Case("Transparent Shadows off, lamps", _whole_shadow, by_lamps=True, blurred=True))
+
+
 _SHEEN = {
     "Principled, sheen": {"Sheen_Weight": 1.0},
     "Principled, sheen, rough and tinted": {"Sheen_Roughness": 0.9, "Sheen_Tint": (0.9, 0.4, 0.2)},

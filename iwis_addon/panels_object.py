@@ -1,0 +1,111 @@
+"""Panels of an object that Blender shows to Cycles alone: which rays see it, how it is shaded, and
+whether it is blurred by its motion; and of its material beside the nodes."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import bpy
+
+from .panel_base import IWISPanel
+
+_GEOMETRY = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
+
+
+def _makes_copies(obj) -> bool:
+    return obj.instance_type == "COLLECTION" and obj.instance_collection is not None
+
+
+class _ObjectPanel(IWISPanel):
+    bl_context = "object"
+    kinds: ClassVar[set[str]] = _GEOMETRY
+
+    @classmethod
+    def poll(cls, context):
+        obj = context.object
+        return super().poll(context) and obj is not None and cls.is_about(obj)
+
+    @classmethod
+    def is_about(cls, obj) -> bool:
+        """Whether the panel says something of an object; copies have their instancer's flags."""
+        return obj.type in cls.kinds or _makes_copies(obj)
+
+
+class IWIS_PT_object_visibility(_ObjectPanel, bpy.types.Panel):
+    bl_label = "Ray Visibility"
+    bl_parent_id = "OBJECT_PT_visibility"
+    kinds: ClassVar[set[str]] = {*_GEOMETRY, "LIGHT"}
+
+    def draw(self, context):
+        column, obj = self.split_layout().column(), context.object
+        if obj.type == "LIGHT":
+            column.prop(obj, "visible_diffuse", text="Diffuse")
+            column.prop(obj, "visible_glossy", text="Glossy")
+            return
+        column.prop(obj, "visible_camera", text="Camera")
+        column.prop(obj, "visible_shadow", text="Shadow")
+        column.prop(obj, "is_shadow_catcher")
+
+
+class IWIS_PT_object_terminator(_ObjectPanel, bpy.types.Panel):
+    bl_label = "Shadow Terminator"
+    bl_parent_id = "OBJECT_PT_shading"
+
+    def draw(self, context):
+        self.split_layout().prop(context.object, "shadow_terminator_geometry_offset")
+
+
+class IWIS_PT_object_motion_blur(_ObjectPanel, bpy.types.Panel):
+    bl_label = "Motion Blur"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+    kinds: ClassVar[set[str]] = {*_GEOMETRY, "CAMERA"}
+
+    @classmethod
+    def is_about(cls, obj) -> bool:
+        """The settings are Cycles' own, there as long as its add-on is enabled."""
+        return hasattr(obj, "cycles") and super().is_about(obj)
+
+    def draw_header(self, context):
+        self.layout.active = context.scene.render.use_motion_blur
+        self.layout.prop(context.object.cycles, "use_motion_blur", text="")
+
+    def draw(self, context):
+        layout, own = self.split_layout(), context.object.cycles
+        layout.active = context.scene.render.use_motion_blur and own.use_motion_blur
+        layout.prop(own, "motion_steps", text="Steps")
+
+
+class IWIS_PT_material_settings(IWISPanel, bpy.types.Panel):
+    bl_label = "Settings"
+    bl_context = "material"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        material = getattr(context, "material", None)
+        return super().poll(context) and material is not None and not material.grease_pencil
+
+    def draw(self, context):
+        column, material = self.split_layout().column(), context.material
+        column.prop(material, "pass_index")
+        column.prop(material, "use_transparent_shadow")
+        if hasattr(material, "cycles"):
+            column.prop(material.cycles, "use_bump_map_correction")
+
+
+CLASSES = (
+    IWIS_PT_object_visibility,
+    IWIS_PT_object_terminator,
+    IWIS_PT_object_motion_blur,
+    IWIS_PT_material_settings,
+)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
