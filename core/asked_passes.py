@@ -35,7 +35,7 @@ class Matte(NamedTuple):
     layer: its name in the film; levels: how many mattes of a pixel are shown
     by_material: whether rows are those of materials, else of objects
     number: int32 (rows,), which matte each row of the scene belongs to
-    names: of the mattes
+    names: of the mattes; ids: float32 (m,), matte_ids of them
     """
 
     layer: str
@@ -43,6 +43,7 @@ class Matte(NamedTuple):
     by_material: bool
     number: np.ndarray
     names: tuple[str, ...]
+    ids: np.ndarray
 
 
 class AskedPasses(NamedTuple):
@@ -81,3 +82,10 @@ def name_hash(name: str) -> int:
     h = ((h ^ h >> 16) * 0x85EBCA6B) & mask
     h = ((h ^ h >> 13) * 0xC2B2AE35) & mask
     return h ^ h >> 16
+
+
+def matte_ids(names) -> np.ndarray:
+    """float32 (n,): the names' hashes as numbers, their exponents kept from 0 and infinity."""
+    bits = np.array([name_hash(name) for name in names], np.uint32)
+    exponent = np.clip(bits >> 23 & 0xFF, 1, 254).astype(np.uint32)
+    return (bits & np.uint32(0x807FFFFF) | exponent << np.uint32(23)).view(np.float32)

@@ -9,19 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .asked_passes import Matte, channels_of, name_hash
+from .asked_passes import Matte, channels_of
 from .scene import Scene, TriangleMesh
 from .shading import ShadingPoints
 
 _SPARE = 4  # mattes of a pixel that are kept beyond those shown: the least covering come and go
 _NONE = np.int32(-1)
-
-
-def matte_ids(names) -> np.ndarray:
-    """float32 (n,): the names' hashes as numbers, their exponents kept from 0 and infinity."""
-    bits = np.array([name_hash(name) for name in names], np.uint32)
-    exponent = np.clip(bits >> 23 & 0xFF, 1, 254).astype(np.uint32)
-    return (bits & np.uint32(0x807FFFFF) | exponent << np.uint32(23)).view(np.float32)
 
 
 class TileMattes:
@@ -31,7 +24,7 @@ class TileMattes:
         self.layer, self._levels = matte.layer, matte.levels
         self._rows = mesh.material_index if matte.by_material else mesh.object_index
         self._number_of = matte.number
-        self._ids = np.append(matte_ids(matte.names), np.float32(0.0))  # of _NONE, the last one
+        self._ids = np.append(matte.ids, np.float32(0.0))  # of _NONE, the last one
         self._number = np.full((n, matte.levels + _SPARE), _NONE, np.int32)
         self._weight = np.zeros(self._number.shape, np.float32)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...core.asked_passes import AskedPasses, Matte, Mist, UvMaps
+from ...core.asked_passes import AskedPasses, Matte, Mist, UvMaps, matte_ids
 from ..passes import matte_layer, wanted_mattes
 from .mesh import MeshExport
 from .surface_data import surface_data
@@ -59,7 +59,8 @@ def _matte(kind: str, levels: int, geometry: MeshExport) -> Matte:
         rows = [instance.name for instance in inventory.instances]
     names = {name: number for number, name in enumerate(dict.fromkeys(rows))}
     number = np.array([names[name] for name in rows], np.int32)
-    return Matte(matte_layer(kind), levels, kind == "Material", number, tuple(names))
+    own = matte_layer(kind), levels, kind == "Material"
+    return Matte(*own, number, tuple(names), matte_ids(names))
 
 
 def _topmost(obj):

@@ -5,8 +5,15 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.asked_passes import AskedPasses, Matte, Mist, UvMaps, channels_of, name_hash
-from iwis.core.cryptomatte import matte_ids
+from iwis.core.asked_passes import (
+    AskedPasses,
+    Matte,
+    Mist,
+    UvMaps,
+    channels_of,
+    matte_ids,
+    name_hash,
+)
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_RAYS
 from support.scenes import (
     camera_above,
@@ -24,7 +31,8 @@ FILTERED = {"pixel_filter": "BLACKMAN_HARRIS", "stop_rule": "FIXED", "max_sample
 
 def with_passes(scene, levels=6, **asked):
     rows = np.arange(len(scene.object_pass_index), dtype=np.int32)
-    matte = Matte("crypto_object", levels, False, rows, NAMES[: len(rows)])
+    names = NAMES[: len(rows)]
+    matte = Matte("crypto_object", levels, False, rows, names, matte_ids(names))
     return dataclasses.replace(scene, asked=AskedPasses(mattes=(matte,), **asked))
 
 
