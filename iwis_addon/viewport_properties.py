@@ -27,7 +27,7 @@ class IWISViewportProperties(bpy.types.PropertyGroup):
     error_threshold: FloatProperty(
         name="Error Threshold",
         description="The relative noise at which a pixel of the rendered view is done",
-        default=0.2,
+        default=0.1,
         min=LIMITS["error_threshold"][0],
         max=LIMITS["error_threshold"][1],
         soft_max=1.0,
@@ -37,7 +37,7 @@ class IWISViewportProperties(bpy.types.PropertyGroup):
     max_samples: IntProperty(
         name="Max Samples",
         description="The most shadow rays that a pixel of the rendered view may take",
-        default=64,
+        default=256,
         min=LIMITS["max_samples"][0],
         max=LIMITS["max_samples"][1],
         soft_max=1024,
