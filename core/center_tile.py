@@ -14,6 +14,7 @@ from .develop import MissedRays, PlacedPoints, develop_points
 from .film import Tile
 from .guide import Guides, new_guides
 from .incremental import PixelSums, new_sums
+from .lamp_glow import lamp_glow, shown_lamps
 from .merged_layers import merge_layers
 from .neighbours import CELL_PX, cell_order
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
@@ -53,6 +54,7 @@ class CenterTile:
         self._bounds: list[np.ndarray] = []
         self._guides: list[Guides] = []
         self._missed: MissedRays | None = None
+        self._glow: tuple[np.ndarray, np.ndarray] | None = None
         self._places = np.zeros(0, np.int32)
         self._lamps: TileLamps | None = None
         self._occlusion: TileOcclusion | None = None
@@ -120,6 +122,8 @@ class CenterTile:
         self._occlusion.add_to_layers(layers, slice(None), self._places, shown.astype(float))
         sums = self._with_lamps(np.flatnonzero(caught), points, sums)
         show_caught(scene, self._job.seen_world, points, self._places, sums, layers)
+        if self._glow is not None:
+            _add_glow(*self._glow, float(scene.exposure), layers)
         surface = SurfacePasses(scene, self.rect.width * self.rect.height)
         surface.add(scene, points, self._places)
         surface.write(layers, slice(None), np.ones(1, np.int32))
@@ -139,7 +143,7 @@ class CenterTile:
 
     def rest(self) -> None:
         """See TileWork."""
-        self._layers = self._missed = None
+        self._layers = self._missed = self._glow = None
 
     def counts(self) -> TileCounts:
         """See TileWork."""
@@ -181,6 +185,8 @@ class CenterTile:
         missed[points.pixel] = False
         places = places_in(self.rect, columns, rows)
         self._missed = MissedRays(places[missed], rays.directions[missed], tints[missed])
+        shown = shown_lamps(scene.lamps)
+        self._glow = None if shown is None else (places, lamp_glow(shown, rays, points))
         self._places = places[points.pixel]
         bounds = np.searchsorted(points.pixel, ends)  # points.pixel: rows of the rays, ascending
         layers = with_all_lobes(scene, points._replace(pixel=pixel[points.pixel]))
@@ -199,6 +205,14 @@ class CenterTile:
         self._lamps.settle(layers, where)
         first = layers[0].seen
         self._occlusion.settle(first.points.facing_viewer(), first.lobes, where)
+
+
+def _add_glow(places, radiance, exposure, layers) -> None:
+    """Add what the camera sees of lamps; places: of all rays, -1 = outside."""
+    inside = places >= 0
+    for name in ("combined", "emission"):
+        flat = layers[name].reshape(-1, layers[name].shape[2])
+        flat[places[inside], :3] += radiance[inside] * np.float32(exposure)
 
 
 def places_in(rect: Rect, columns: np.ndarray, rows: np.ndarray) -> np.ndarray:

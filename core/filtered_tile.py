@@ -14,6 +14,7 @@ from .camera import camera_rays, pixel_grid
 from .cutouts import cut_materials, opacity_of
 from .develop import filtered_layers
 from .film import Tile
+from .lamp_glow import lamp_glow, shown_lamps
 from .neighbours import cell_order
 from .pass_plan import PassPlan, end_of_batch
 from .pass_rays import (
@@ -26,7 +27,7 @@ from .pass_rays import (
     samples_of_a_pass,
 )
 from .pass_samples import PassSampler
-from .pass_sums import PassSums, add_background, close_passes, new_pass_sums
+from .pass_sums import PassSums, add_background, add_glow, close_passes, new_pass_sums
 from .rows import any_in_row, row_and_column, rows_of
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .silhouettes import Silhouettes
@@ -60,6 +61,7 @@ class FilteredTile:
         known = self._silhouettes, self._pixels, self._cell
         film = job.scene.transparent_film
         self._plan = PassPlan(job.settings, self._batch, film, *known)
+        self._shown = shown_lamps(job.scene.lamps)
         self._passes = self._primary = 0
         self._active, self._wants = self._pixels, self._plan.wanted(self._pixels, 0, self._sums)
 
@@ -168,15 +170,17 @@ class FilteredTile:
         """
         rays, parts = self._next_rays(pixels, counts), []
         for job, looked, time in self._in_time(rays):
-            points, numbers, missed = self._look(job, looked, time)
+            points, numbers, missed, glow = self._look(job, looked, time)
             self._sampler.look_at(job)
             found = self._sampler.gather(points, numbers)
-            parts.append((job, found, missed))
+            parts.append((job, found, missed, glow))
         if self._passes and self._job.stop.is_set():
             return False
-        for job, found, missed in parts:
+        for job, found, missed, glow in parts:
             self._sampler.look_at(job)
             self._add_world(*missed)
+            if glow is not None:
+                add_glow(*glow, self._sums)
             for add, *own in found:
                 add(*own)
         film = self._job.scene.transparent_film
@@ -211,11 +215,12 @@ class FilteredTile:
 
     def _look(self, job: Job, own: PassRays, time):
         """What rays see: (points, their passes, (pixels that see the world, their directions and
-        ShadingPoints.through))."""
+        ShadingPoints.through), (pixels, the light of lamps that they see) or None)."""
         pilot, looked = self._passes < PILOT, own.pixel
         rays = self._rays(own, time)
         tints = np.ones((len(looked), 3), np.float32)
         points = trace_points(job, rays, self._dither(own), tints)
+        glow = None if self._shown is None else (looked, lamp_glow(self._shown, rays, points))
         self._primary += len(looked)
         missed = np.ones(len(looked), np.bool_)
         missed[points.pixel] = False
@@ -227,7 +232,7 @@ class FilteredTile:
             inside = self._cell >= 0
             missed = missed[inside[looked[missed]]]
             numbers, points = numbers[inside[points.pixel]], points.at(inside[points.pixel])
-        return points, numbers, rows_of((looked, rays.directions, tints), missed)
+        return points, numbers, rows_of((looked, rays.directions, tints), missed), glow
 
     def _dither(self, rays: PassRays) -> np.ndarray | None:
         """What cut-outs draw for them (cutouts.points_through), if there may be any."""

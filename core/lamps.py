@@ -14,7 +14,7 @@ import numpy as np
 # Lamps.kind
 SUN, SPHERE, DISC, RECTANGLE, ELLIPSE, MESH, BEAM, ROUND_BEAM = range(8)
 # Lamps.seen_by
-BY_DIFFUSE, BY_GLOSSY = 1, 2
+BY_DIFFUSE, BY_GLOSSY, BY_CAMERA = 1, 2, 4
 EVERYWHERE = np.float32(-2.0)  # Lamps.cone of what is no spot
 BLOCK = 4  # faces of a MESH that have a box around them
 
@@ -67,7 +67,7 @@ class Lamps(NamedTuple):
     kind: int8 (n,); SUN: a disc at infinity; SPHERE: of point and spot lamps; DISC: the same with
         soft falloff, a disc that faces whoever looks at it; RECTANGLE, ELLIPSE: one-sided areas;
         MESH: faces that shine on both sides; BEAM, ROUND_BEAM: areas that shine along their axis
-    seen_by: int8 (n,), BY_DIFFUSE | BY_GLOSSY: which lobes it lights
+    seen_by: int8 (n,), BY_DIFFUSE | BY_GLOSSY: which lobes it lights; BY_CAMERA: it is seen itself
     shadow: bool (n,), whether it casts shadows
     position: float32 (n, 3), of the centre
     forward, right, up: float32 (n, 3), unit: where it shines, and the sides of an area

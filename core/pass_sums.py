@@ -126,6 +126,18 @@ def add_background(pixel, radiance, in_picture, state):
             _add_light(state, p, np.float64(light))
 
 
+@kernel
+def add_glow(pixel, radiance, state):
+    """Add the light of lamps that the rays of pixels, int32 (n,), see; radiance: float32 (n, 3)."""
+    for k in range(len(pixel)):
+        p = pixel[k]
+        light = luminance(radiance[k, 0], radiance[k, 1], radiance[k, 2])
+        if light > 0.0:
+            _add_light(state, p, np.float64(light))
+            for a in range(3):
+                state.emission[p, a] += radiance[k, a]
+
+
 @kernel(forceinline=True)
 def _pass_variance(state, p):
     """Variance of the light of a pass, by the spread of those there are and their own noise."""

@@ -38,11 +38,11 @@ class IWIS_PT_object_visibility(_ObjectPanel, bpy.types.Panel):
 
     def draw(self, context):
         column, obj = self.split_layout().column(), context.object
+        column.prop(obj, "visible_camera", text="Camera")
         if obj.type == "LIGHT":
             column.prop(obj, "visible_diffuse", text="Diffuse")
             column.prop(obj, "visible_glossy", text="Glossy")
             return
-        column.prop(obj, "visible_camera", text="Camera")
         column.prop(obj, "visible_shadow", text="Shadow")
         column.prop(obj, "is_shadow_catcher")
 

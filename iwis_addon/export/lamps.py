@@ -15,6 +15,7 @@ import numpy as np
 
 from ...core.lamps import (
     BEAM,
+    BY_CAMERA,
     BY_DIFFUSE,
     BY_GLOSSY,
     DISC,
@@ -82,11 +83,8 @@ def read_lamp(obj, matrix_world, warnings: list[str]) -> dict | None:
     row = _ROWS[light.type](light, matrix, strength)
     if row is None or not strength.any():
         return None
-    if obj.visible_camera and row["size"][0] > 0.0:
-        nodes.warn(
-            None, "a lamp is not shown to the camera: only its light and its reflections are"
-        )
     seen_by = BY_DIFFUSE * obj.visible_diffuse | BY_GLOSSY * obj.visible_glossy
+    seen_by |= BY_CAMERA * obj.visible_camera
     frame = {"position": matrix[:3, 3], "seen_by": seen_by, "shadow": light.use_shadow}
     for name, column in (("right", matrix[:3, 0]), ("up", matrix[:3, 1])):
         frame[name] = _unit(column)

@@ -189,7 +189,7 @@ def test_objects_can_be_set(scene):
     expected = {
         mesh: shape,
         copies: shape,
-        lamp: {"visible_diffuse", "visible_glossy"},
+        lamp: {"visible_camera", "visible_diffuse", "visible_glossy"},
         camera: {"motion_steps"},
         empty: set(),
     }

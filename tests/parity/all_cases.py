@@ -12,6 +12,7 @@ from . import (
     lit_cases,
     normal_cases,
     property_cases,
+    shown_lamp_cases,
     texture_cases,
     value_cases,
     view_cases,
@@ -35,5 +36,6 @@ _FAMILIES = (
     element_cases,
     flag_cases,
     link_cases,
+    shown_lamp_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

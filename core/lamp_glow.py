@@ -1,0 +1,52 @@
+"""Lamps as the camera sees them: they add their light along its rays, and hide nothing.
+
+So does Cycles, where a ray goes on behind a lamp: what is behind it, and alpha, stay as they are.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ._jit import kernel
+from .camera import CameraRays
+from .lamp_shapes import meet_lamp
+from .lamps import BY_CAMERA, MESH, Lamps
+
+
+def shown_lamps(lamps: Lamps) -> Lamps | None:
+    """Those that the camera sees, which have a size, but meshes, which are there; None: none is."""
+    shown = (lamps.seen_by & BY_CAMERA != 0) & (lamps.size[:, 0] > 0.0) & (lamps.kind < MESH)
+    return lamps.at(shown) if shown.any() else None
+
+
+def lamp_glow(lamps: Lamps, rays: CameraRays, points) -> np.ndarray:
+    """float32 (n, 3), radiance of the lamps that rays meet before anything else.
+
+    points: ShadingPoints, where rays end; ``pixel`` is the row of the ray
+    """
+    reach = np.full(len(rays.reach), np.inf, np.float32)
+    away = points.position - rays.origins[points.pixel]
+    reach[points.pixel] = np.sqrt(np.einsum("ij,ij->i", away, away))
+    glow = np.zeros((len(reach), 3), np.float32)
+    _add_glow(lamps, rays.origins, rays.directions, reach, rays.reach, glow)
+    return glow
+
+
+@kernel(forceinline=True)
+def _float64(vectors, k):
+    return np.float64(vectors[k, 0]), np.float64(vectors[k, 1]), np.float64(vectors[k, 2])
+
+
+@kernel
+def _add_glow(lamps, origins, directions, reach, far_plane, glow):
+    for k in range(len(reach)):
+        x, y, z = _float64(directions, k)
+        if x * x + y * y + z * z == 0.0:
+            continue
+        px, py, pz = _float64(origins, k)
+        for i in range(len(lamps.kind)):
+            far, factor, _, _ = meet_lamp(lamps, i, px, py, pz, x, y, z, x, y, z)
+            near = far < far_plane[k] or far == np.inf
+            if factor > 0.0 and near and (far < reach[k] or reach[k] == np.inf):
+                for a in range(3):
+                    glow[k, a] += np.float32(np.float64(lamps.radiance[i, a]) * factor)
