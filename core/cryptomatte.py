@@ -13,7 +13,7 @@ from .asked_passes import Matte, channels_of
 from .scene import Scene, TriangleMesh
 from .shading import ShadingPoints
 
-_SPARE = 4  # mattes of a pixel that are kept beyond those shown: the least covering come and go
+_SPARE = 4  # mattes of a pixel that are kept beyond those shown: a late one may cover more
 _NONE = np.int32(-1)
 
 

@@ -168,30 +168,28 @@ class RayParts:
         cancelled=lambda: False,
         motion: ObjectMotion | None = None,
     ):
+        built: list[tuple] = []
+
+        def part(mask, opacity) -> PartAccel:
+            for own, grids, found in built:
+                if grids is opacity and np.array_equal(own, mask):
+                    return found
+            found = PartAccel(mesh, mask, cancelled, opacity, motion)
+            built.append((mask, opacity, found))
+            return found
+
+        def shadows(own) -> Shadows:
+            solid, cut = masks.solid & own, masks.cut & own
+            others = part(solid & ~masks.catcher, masks.opacity)
+            return Shadows(
+                part(solid, masks.opacity), part(cut, None) if cut.any() else None, others
+            )
+
         self.mesh, self.masks = mesh, masks
-        self._build = lambda mask, opacity: PartAccel(mesh, mask, cancelled, opacity, motion)
-        self._built: list[tuple] = []
-        self.shadows = self._shadows(masks.solid, masks.cut)
+        self.shadows = shadows(np.True_)
         same = np.array_equal(masks.camera, masks.solid)
-        self.camera = self.shadows.solid if same else self._part(masks.camera, None)
-        self.linked = [self._shadows(masks.solid & own, masks.cut & own) for own in masks.linked]
-        del self._build, self._built
-
-    def _part(self, mask: np.ndarray, opacity) -> PartAccel:
-        for built, own, part in self._built:
-            if own is opacity and np.array_equal(built, mask):
-                return part
-        part = self._build(mask, opacity)
-        self._built.append((mask, opacity, part))
-        return part
-
-    def _shadows(self, solid: np.ndarray, cut: np.ndarray) -> Shadows:
-        masks = self.masks
-        return Shadows(
-            self._part(solid, masks.opacity),
-            self._part(cut, None) if cut.any() else None,
-            self._part(solid & ~masks.catcher, masks.opacity),
-        )
+        self.camera = self.shadows.solid if same else part(masks.camera, None)
+        self.linked = [shadows(own) for own in masks.linked]
 
     def _each(self, change) -> RayParts:
         """change(part) of all of them, once each."""
