@@ -26,6 +26,9 @@ from .particle_hair import hair_modifiers
 from .parts import WITH_SURFACE, PartReader
 
 _WORD = 0xFFFFFFFF
+_NO_SHADING_OFFSET = (
+    "Shadow Terminator, Shading Offset is not supported and left out (Geometry Offset is)"
+)
 
 
 class Instance(NamedTuple):
@@ -174,6 +177,8 @@ class _Collector:
             chosen = modifier.particle_system.settings.material - 1
             slots = (slots[min(max(chosen, 0), len(slots) - 1)],)
         is_round = part is not None and self.inventory.parts[part].round
+        if part is not None and obj.shadow_terminator_shading_offset > 0.0:
+            self.ignored.add(_NO_SHADING_OFFSET, obj.name)
         return _Item(
             part,
             obj.name,

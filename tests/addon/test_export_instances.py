@@ -244,6 +244,16 @@ def test_what_is_not_rendered_is_named(above):
     ]
 
 
+def test_a_shading_offset_is_told(above):
+    """Of the two settings of the shadow terminator the one that is left out, by object."""
+    for name, offset in (("Plain", 0.0), ("Low", 0.2), ("Lower", 0.5)):
+        obj = add_mesh(above, BENT, QUADS, name)
+        obj.shadow_terminator_geometry_offset = 0.1
+        obj.shadow_terminator_shading_offset = offset
+    (line,) = export_as_render(above).warnings
+    assert "Shading Offset" in line and line.endswith(": Low, Lower")
+
+
 def test_flags_of_objects(above):
     """Who sees an object, and how: flags, one an object."""
     changes = {
