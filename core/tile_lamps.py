@@ -18,7 +18,7 @@ from .lamps import MESH, Lamps, is_soft
 from .pass_sums import PassSums
 from .scene import Scene
 from .settings import RenderSettings
-from .tile_job import ClosureLayer
+from .tile_job import ClosureLayer, SeenPoints
 
 # Shadow rays to lamps with a size that one shading point takes in a pass, while they are few.
 _RAYS_OF_A_PASS, _MOST_OF_A_PASS = 8, 4
@@ -42,6 +42,16 @@ class _Group(NamedTuple):
 
     lamps: Lamps
     link: int
+
+
+class _Lit(NamedTuple):
+    """Points that some lamps light. blocking: the Accel of what throws shadows of these lamps;
+    of: int64 (n,), the points' rows in the first layer"""
+
+    lamps: Lamps
+    blocking: Accel
+    seen: SeenPoints
+    of: np.ndarray
 
 
 def _groups(lamps: Lamps) -> list[_Group]:
@@ -83,10 +93,11 @@ class TileLamps:
             return
         pixel, count = layers[0].seen.points.pixel, self._of_a_pass
         light = np.zeros((len(pixel), COLUMNS))
+        soft = self._lit(layers, self._soft, self._accel)
         for k in range(count):
-            self._add(layers, self._soft, places, number * count + k, light, self._accel)
+            self._add(soft, places, number * count + k, light)
         light /= count
-        self._add(layers, self._hard, places, number, light, self._accel)
+        self._add(self._lit(layers, self._hard, self._accel), places, number, light)
         _add_to_pixels(pixel, light, count, self._light, self._count)
         _show(light, sums)
 
@@ -117,46 +128,42 @@ class TileLamps:
             mean[unsure] += self._settled(some, where, _FIRST, most)[:, :COLUMNS]
             count[unsure] = most
         self._light[:] = mean / count[:, None]
-        self._add(layers, self._hard, places, 0, self._light, self._accel)
+        self._add(self._lit(layers, self._hard, self._accel), places, 0, self._light)
 
     def _settled(self, layers, places, first, end) -> np.ndarray:
         """float64 (n, COLUMNS + 1): sums of samples first ... end - 1, last their _squared."""
         sums = np.zeros((len(places[0]), COLUMNS + 1))
+        soft = self._lit(layers, self._soft, self._accel)
         for k in range(first, end):
             light = np.zeros((len(sums), COLUMNS))
-            self._add(layers, self._soft, places, k, light, self._accel)
+            self._add(soft, places, k, light)
             sums[:, :COLUMNS] += light
             sums[:, COLUMNS] += _squared(light)
         return sums
 
-    def _add(self, layers, groups, places, number, light, accel) -> None:
-        apart = 0 if self._settings.decorrelation == "NONE" else 1
+    def _lit(self, layers: list[ClosureLayer], groups: list[_Group], accel) -> list[_Lit]:
+        """What the lamps of each group light, and what throws shadows of them."""
+        found = []
         for lamps, link in groups:
-            blocking = self._blocking(link, accel)
-            for seen, of in self._lit(layers, link):
-                columns, rows = (apart * place[of].astype(np.int64) for place in places)
-                own = np.broadcast_to(number, len(places[0]))[of].astype(np.int64)
-                samples = LampSamples(columns, rows, own, self._settings.seed)
-                part = np.zeros((len(of), COLUMNS))
-                given = seen.points, seen.lobes, lamps, blocking, samples, part
-                self.traced += add_lamp_light(*given)
-                light[of] += part
+            receivers, blockers = (None, None) if link < 0 else self._links[link]
+            blocking = accel if blockers is None else accel.linked(link)
+            for seen, of in layers:
+                if receivers is not None:
+                    which = receivers[self._object_of[seen.points.triangle]]
+                    seen, of = seen.at(which), of[which]
+                found.append(_Lit(lamps, blocking, seen, of))
+        return found
 
-    def _blocking(self, link: int, accel):
-        """What throws shadows of the lamps of a link."""
-        linked = link >= 0 and self._links[link].blockers is not None
-        return accel.linked(link) if linked else accel
-
-    def _lit(self, layers, link: int):
-        """(SeenPoints, rows) of the points of each layer that the lamps of a link light."""
-        receivers = None if link < 0 else self._links[link].receivers
-        for seen, of in layers:
-            if receivers is None:
-                yield seen, of
-                continue
-            lit = receivers[self._object_of[seen.points.triangle]]
-            if lit.any():
-                yield seen.at(lit), of[lit]
+    def _add(self, every: list[_Lit], places, number, light) -> None:
+        apart = 0 if self._settings.decorrelation == "NONE" else 1
+        for lamps, blocking, seen, of in every:
+            columns, rows = (apart * place[of].astype(np.int64) for place in places)
+            own = np.broadcast_to(number, len(places[0]))[of].astype(np.int64)
+            samples = LampSamples(columns, rows, own, self._settings.seed)
+            part = np.zeros((len(of), COLUMNS))
+            given = seen.points, seen.lobes, lamps, blocking, samples, part
+            self.traced += add_lamp_light(*given)
+            light[of] += part
 
     def caught(self, layers, places, number, accel: Accel, sums: PixelSums) -> PixelSums:
         """The sums of points of passes on shadow catchers, with the lamps' light in all of them.
@@ -176,11 +183,13 @@ class TileLamps:
         found = []
         for others in (True, False):  # with the same numbers: a share of 1 has no noise
             light = np.zeros((len(sums.count), COLUMNS))
-            soft, hard = (_alone(own, others) for own in (self._soft, self._hard))
+            soft, hard = (
+                self._lit(layers, _alone(own, others), accel) for own in (self._soft, self._hard)
+            )
             for k in range(count):
-                self._add(layers, soft, places, number * count + k, light, accel)
+                self._add(soft, places, number * count + k, light)
             light /= count
-            self._add(layers, hard, places, number, light, accel)
+            self._add(hard, places, number, light)
             found.append(light[:, :UNOCCLUDED] * np.maximum(sums.count, 1)[:, None])
         lit, whole = found
         return sums._replace(

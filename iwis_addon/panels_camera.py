@@ -86,12 +86,4 @@ class IWIS_PT_motion_blur_curve(IWISPanel, bpy.types.Panel):
 
 CLASSES = (IWIS_PT_panorama, IWIS_PT_motion_blur, IWIS_PT_motion_blur_curve)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -63,12 +63,4 @@ class IWIS_PT_lamp_nodes(_LampPanel, bpy.types.Panel):
 
 CLASSES = (IWIS_PT_lamp_beam, IWIS_PT_lamp_settings, IWIS_PT_lamp_nodes)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

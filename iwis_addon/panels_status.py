@@ -117,12 +117,4 @@ def statistics_rows(frame: int, stats) -> list[tuple[str, str]]:
 
 CLASSES = (IWIS_PT_warnings, IWIS_PT_light, IWIS_PT_statistics)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

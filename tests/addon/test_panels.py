@@ -13,7 +13,6 @@ from iwis.iwis_addon import (
     panels,
     panels_camera,
     panels_lamp,
-    panels_object,
     panels_passes,
     panels_status,
     panels_world,
@@ -22,6 +21,7 @@ from iwis.iwis_addon.job import RenderJob, RenderRecord
 from iwis.iwis_addon.preferences import IWISPreferences
 from iwis.iwis_addon.sampling_presets import SETTINGS
 from iwis.iwis_addon.settings import render_settings
+from support.panel_layout import Layout
 
 # Panels without which a user cannot edit what IWIS renders.
 NEEDED = (
@@ -108,40 +108,6 @@ PANELS = [
 ]
 
 
-class Layout:
-    """A UILayout that checks what it is given: properties and operators that exist."""
-
-    def __init__(self):
-        self.drawn = []
-
-    def prop(self, owner, name, **_options):
-        assert name in owner.bl_rna.properties, (owner, name)
-        self.drawn.append(name)
-
-    def operator(self, name, **_options):
-        assert hasattr(bpy.types, name.replace("iwis.", "IWIS_OT_")), name
-        self.drawn.append(name)
-        return types.SimpleNamespace()
-
-    template_curve_mapping = prop
-
-    def template_node_view(self, tree, node, socket):
-        assert node.name in tree.nodes and socket.node == node
-        self.drawn.append("nodes")
-
-    def template_preview(self, data):
-        assert data is None or isinstance(data, bpy.types.ID)
-        self.drawn.append("preview")
-
-    def label(self, text="", icon="NONE"):
-        self.drawn.append(text)
-
-    def row(self, **_options):
-        return self
-
-    column = row
-
-
 @pytest.mark.parametrize("cls", PANELS, ids=lambda cls: cls.__name__)
 def test_panels_draw_what_exists(scene, cls):
     """Every property and operator that a panel names is there, and something is drawn."""
@@ -157,54 +123,6 @@ def test_panels_draw_what_exists(scene, cls):
     cls.draw(panel, bpy.context)
     has_children = any(getattr(c, "bl_parent_id", "") == cls.__name__ for c in PANELS)
     assert panel.layout.drawn or has_children
-
-
-def _drawn(context):
-    """What the object panels that show themselves draw."""
-    drawn = []
-    for cls in panels_object.CLASSES:
-        if cls.poll(context):
-            panel = types.SimpleNamespace(layout=Layout())
-            panel.split_layout = lambda panel=panel: panel.layout
-            cls.draw(panel, context)
-            drawn += panel.layout.drawn
-    return set(drawn)
-
-
-def test_objects_can_be_set(scene):
-    """What IWIS reads of a mesh, a lamp, a camera, and an empty that makes copies."""
-    mesh = bpy.data.objects.new("Mesh", bpy.data.meshes.new("Mesh"))
-    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    copies, empty = (bpy.data.objects.new(name, None) for name in ("Copies", "Empty"))
-    copies.instance_type = "COLLECTION"
-    copies.instance_collection = bpy.data.collections.new("Own")
-    shape = {
-        "visible_camera",
-        "visible_shadow",
-        "is_shadow_catcher",
-        "shadow_terminator_geometry_offset",
-        "motion_steps",
-    }
-    expected = {
-        mesh: shape,
-        copies: shape,
-        lamp: {"visible_camera", "visible_diffuse", "visible_glossy"},
-        camera: {"motion_steps"},
-        empty: set(),
-    }
-    for obj, names in expected.items():
-        context = types.SimpleNamespace(engine="IWIS", object=obj, scene=scene)
-        assert _drawn(context) == names, obj.name
-    assert not _drawn(types.SimpleNamespace(engine="IWIS", object=None, scene=scene))
-
-
-def test_materials_can_be_set(scene):
-    """The index for the pass, transparent shadows, and Cycles' bump map correction."""
-    material = bpy.data.materials.new("M")
-    context = types.SimpleNamespace(engine="IWIS", object=None, material=material, scene=scene)
-    names = {"pass_index", "use_transparent_shadow", "use_bump_map_correction"}
-    assert _drawn(context) == names
 
 
 @pytest.mark.parametrize("kind", ["POINT", "SUN", "SPOT", "AREA"])

@@ -1,0 +1,56 @@
+"""What the tabs of objects and materials let a user set of what IWIS reads."""
+
+import types
+
+import bpy
+
+from iwis.iwis_addon import panels_object
+from support.panel_layout import Layout
+
+
+def _drawn(context):
+    """What the object panels that show themselves draw."""
+    drawn = []
+    for cls in panels_object.CLASSES:
+        if cls.poll(context):
+            panel = types.SimpleNamespace(layout=Layout())
+            panel.split_layout = lambda panel=panel: panel.layout
+            cls.draw(panel, context)
+            drawn += panel.layout.drawn
+    return set(drawn)
+
+
+def test_objects_can_be_set(scene):
+    """What IWIS reads of a mesh, a lamp, a camera, and an empty that makes copies."""
+    mesh = bpy.data.objects.new("Mesh", bpy.data.meshes.new("Mesh"))
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    copies, empty = (bpy.data.objects.new(name, None) for name in ("Copies", "Empty"))
+    copies.instance_type = "COLLECTION"
+    copies.instance_collection = bpy.data.collections.new("Own")
+    shape = {
+        "visible_camera",
+        "visible_shadow",
+        "is_shadow_catcher",
+        "shadow_terminator_geometry_offset",
+        "motion_steps",
+    }
+    expected = {
+        mesh: shape,
+        copies: shape,
+        lamp: {"visible_camera", "visible_diffuse", "visible_glossy"},
+        camera: {"motion_steps"},
+        empty: set(),
+    }
+    for obj, names in expected.items():
+        context = types.SimpleNamespace(engine="IWIS", object=obj, scene=scene)
+        assert _drawn(context) == names, obj.name
+    assert not _drawn(types.SimpleNamespace(engine="IWIS", object=None, scene=scene))
+
+
+def test_materials_can_be_set(scene):
+    """The index for the pass, transparent shadows, and Cycles' bump map correction."""
+    material = bpy.data.materials.new("M")
+    context = types.SimpleNamespace(engine="IWIS", object=None, material=material, scene=scene)
+    names = {"pass_index", "use_transparent_shadow", "use_bump_map_correction"}
+    assert _drawn(context) == names

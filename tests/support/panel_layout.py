@@ -1,0 +1,39 @@
+"""A stand-in for Blender's layouts, which background mode has none of."""
+
+import types
+
+import bpy
+
+
+class Layout:
+    """A UILayout that checks what it is given: properties and operators that exist."""
+
+    def __init__(self):
+        self.drawn = []
+
+    def prop(self, owner, name, **_options):
+        assert name in owner.bl_rna.properties, (owner, name)
+        self.drawn.append(name)
+
+    def operator(self, name, **_options):
+        assert hasattr(bpy.types, name.replace("iwis.", "IWIS_OT_")), name
+        self.drawn.append(name)
+        return types.SimpleNamespace()
+
+    template_curve_mapping = prop
+
+    def template_node_view(self, tree, node, socket):
+        assert node.name in tree.nodes and socket.node == node
+        self.drawn.append("nodes")
+
+    def template_preview(self, data):
+        assert data is None or isinstance(data, bpy.types.ID)
+        self.drawn.append("preview")
+
+    def label(self, text="", icon="NONE"):
+        self.drawn.append(text)
+
+    def row(self, **_options):
+        return self
+
+    column = row
