@@ -11,11 +11,11 @@ In the order of the data; a module imports only from groups with a smaller numbe
     perlin, texels, element_places
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
-    glossy_normal, lamp_shapes, emitter_tree, sheen, islands, embree_hits,
+    glossy_normal, lamp_shapes, lamp_choice, emitter_tree, sheen, islands, embree_hits,
     bump, stretched, lobes, cell_numbers
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
-    voronoi_cells, cryptomatte
+    voronoi_cells, cryptomatte, light_groups
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, sample_order, measured, lobe_setup, embree_instances

@@ -46,15 +46,30 @@ class Matte(NamedTuple):
     ids: np.ndarray
 
 
+class LightGroups(NamedTuple):
+    """Lights whose share of the picture is wanted, group by group; of lamps see Lamps.group.
+
+    layers: their names in the film; world: the group of the environment, -1 = none
+    shows_world: whether what the camera sees of it is in the group, too
+    objects: int32 (n_objects,), the group of what shines on each object, -1 = none
+    """
+
+    layers: tuple[str, ...] = ()
+    world: int = -1
+    shows_world: bool = True
+    objects: np.ndarray | None = None
+
+
 class AskedPasses(NamedTuple):
     """occlusion_distance: metres that rays of the ambient-occlusion pass go, 0 = it is not wanted;
     mist, uv: None = they are not wanted either; mattes: the kinds of Cryptomatte
-    that are wanted."""
+    that are wanted; groups: of lights, none = they are not wanted."""
 
     occlusion_distance: float = 0.0
     mist: Mist | None = None
     uv: UvMaps | None = None
     mattes: tuple[Matte, ...] = ()
+    groups: LightGroups = LightGroups()
 
 
 NO_PASSES = AskedPasses()

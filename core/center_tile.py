@@ -15,6 +15,7 @@ from .film import Tile
 from .guide import Guides, new_guides
 from .incremental import PixelSums, new_sums
 from .lamp_glow import lamp_glow, shown_lamps
+from .light_groups import TileGroups
 from .merged_layers import merge_layers
 from .neighbours import CELL_PX, cell_order
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
@@ -117,17 +118,27 @@ class CenterTile:
         scene, points = self._job.scene, seen.points
         caught = plays(scene, points, SHADOW_CATCHER)
         shown = ~(caught | plays(scene, points, HOLDOUT))
+        sums = self._with_lamps(np.flatnonzero(caught), points, sums)
+        show_caught(scene, self._job.seen_world, points, self._places, sums, layers)
+        self._write_groups(points, np.where(shown, self._places, -1), seen.lobes.emission, layers)
         exposure = np.where(shown, float(scene.exposure), 0.0)
         self._lamps.add_to_layers(layers, slice(None), self._places, exposure)
         self._occlusion.add_to_layers(layers, slice(None), self._places, shown.astype(float))
-        sums = self._with_lamps(np.flatnonzero(caught), points, sums)
-        show_caught(scene, self._job.seen_world, points, self._places, sums, layers)
         if self._glow is not None:
             _add_glow(*self._glow, float(scene.exposure), layers)
         surface = SurfacePasses(scene, self.rect.width * self.rect.height)
         surface.add(scene, points, self._places)
         surface.write(layers, slice(None), np.ones(1, np.int32))
         return Tile(*self.rect, layers)
+
+    def _write_groups(self, points, place, emission, layers) -> None:
+        """Write the layers of light groups; place: of what is seen itself, -1 = none."""
+        groups = TileGroups(self._job.scene, self.rect.width * self.rect.height)
+        if groups.wanted:
+            groups.add_emission(points, place, emission)
+            if self._glow is not None:
+                groups.add_glow(*self._glow)
+            groups.write(layers, slice(None), float(self._job.scene.exposure))
 
     def _with_lamps(self, caught, points, sums):
         """The sums, those of points on catchers with the lamps' light in them."""
@@ -186,7 +197,8 @@ class CenterTile:
         places = places_in(self.rect, columns, rows)
         self._missed = MissedRays(places[missed], rays.directions[missed], tints[missed])
         shown = shown_lamps(scene.lamps)
-        self._glow = None if shown is None else (places, lamp_glow(shown, rays, points))
+        groups = len(scene.asked.groups.layers)
+        self._glow = None if shown is None else (places, lamp_glow(shown, rays, points, groups))
         self._places = places[points.pixel]
         bounds = np.searchsorted(points.pixel, ends)  # points.pixel: rows of the rays, ascending
         layers = with_all_lobes(scene, points._replace(pixel=pixel[points.pixel]))
@@ -212,7 +224,7 @@ def _add_glow(places, radiance, exposure, layers) -> None:
     inside = places >= 0
     for name in ("combined", "emission"):
         flat = layers[name].reshape(-1, layers[name].shape[2])
-        flat[places[inside], :3] += radiance[inside] * np.float32(exposure)
+        flat[places[inside], :3] += radiance[inside, :3] * np.float32(exposure)
 
 
 def places_in(rect: Rect, columns: np.ndarray, rows: np.ndarray) -> np.ndarray:

@@ -25,25 +25,30 @@ def with_emitters(
     scene: Scene | None = None,
     turned: list[int] | None = None,
     link: np.ndarray | None = None,
+    group: np.ndarray | None = None,
 ) -> Lamps:
     """The lamps of some rows (see make_lamps) and of all faces whose material shines.
 
     emission: float32 (n, 3), radiance of each material; costs nothing where none shines
     scene: whose programs say what an emission is that varies; turned: gets the materials whose
     emission depends on where it is seen from, which is more than a lamp can have
-    link: int32 (n_objects,), Lamps.link of what shines on each object; None: all of them light all
+    link, group: int32 (n_objects,), Lamps.link and Lamps.group of what shines on each object; None:
+    all of them light all, and are of no group
     """
     parts = parts_that_shine(mesh, emission, scene, [] if turned is None else turned)
     if not len(parts.face):
         return make_lamps(rows) if rows else NO_LAMPS
     trees, rows, end, root = [], list(rows), 0, 0
-    links = np.full(len(parts.face), -1) if link is None else link[mesh.object_index[parts.face]]
-    for own in _groups(parts, links):
+    owner = mesh.object_index[parts.face]
+    none = np.full(len(owner), -1, np.int32)
+    kinds = [none if column is None else column[owner] for column in (link, group)]
+    _, kind = np.unique(kinds, axis=1, return_inverse=True)
+    for own in _groups(parts, kind.reshape(-1)):
         tree = face_tree(parts.corners[own], parts.radiance[own])
         low, high = tree.corners.min((0, 1)), tree.corners.max((0, 1))
         width = max(float(np.linalg.norm(high - low)), 1e-6)
         shape = {"kind": MESH, "position": 0.5 * (low + high), "size": (width, 0.0)}
-        shape["link"] = links[own[0]]
+        shape |= {"link": kinds[0][own[0]], "group": kinds[1][own[0]]}
         first, end = end, end + len(tree.power)
         rows.append(shape | {"span": (first, end, root)})
         root += len(tree.leaves)
@@ -51,11 +56,11 @@ def with_emitters(
     return make_lamps(rows, LampFaces(*map(np.concatenate, zip(*trees, strict=True))))
 
 
-def _groups(parts, links: np.ndarray) -> list[np.ndarray]:
-    """Rows of the parts of each lamp, all of one link."""
+def _groups(parts, kind: np.ndarray) -> list[np.ndarray]:
+    """Rows of the parts of each lamp, all of one kind."""
     power = powers_of_faces(parts.corners, parts.radiance)
     center = parts.corners.mean(axis=1)
-    groups = [np.flatnonzero(links == link) for link in np.unique(links)]
+    groups = [np.flatnonzero(kind == own) for own in np.unique(kind)]
     faces = len(np.unique(parts.face))  # a picture on two faces is one lamp, however it is cut
     while len(groups) < min(_LAMPS, faces // (_LEAST // 2)):
         largest = max(range(len(groups)), key=lambda k: len(groups[k]))

@@ -126,6 +126,7 @@ class FilteredTile:
             scene, points, sums, (width, height), self._job.settings.max_samples
         )
         weight = float(scene.exposure) / np.maximum(sums.passes, 1)
+        self._sampler.groups.write(layers, inside, weight[:, None])
         self._sampler.show_caught(inside, layers)
         place = np.arange(len(inside))
         self._sampler.lamps.add_to_layers(layers, inside, place, weight)
@@ -181,6 +182,7 @@ class FilteredTile:
             self._add_world(*missed)
             if glow is not None:
                 add_glow(*glow, self._sums)
+                self._sampler.groups.add_glow(*glow)
             for add, *own in found:
                 add(*own)
         film = self._job.scene.transparent_film
@@ -215,12 +217,14 @@ class FilteredTile:
 
     def _look(self, job: Job, own: PassRays, time):
         """What rays see: (points, their passes, (pixels that see the world, their directions and
-        ShadingPoints.through), (pixels, the light of lamps that they see) or None)."""
+        ShadingPoints.through), (pixels, what lamp_glow says of them) or None)."""
         pilot, looked = self._passes < PILOT, own.pixel
         rays = self._rays(own, time)
         tints = np.ones((len(looked), 3), np.float32)
         points = trace_points(job, rays, self._dither(own), tints)
-        glow = None if self._shown is None else (looked, lamp_glow(self._shown, rays, points))
+        glow, groups = None, len(self._job.scene.asked.groups.layers)
+        if self._shown is not None:
+            glow = looked, lamp_glow(self._shown, rays, points, groups)
         self._primary += len(looked)
         missed = np.ones(len(looked), np.bool_)
         missed[points.pixel] = False

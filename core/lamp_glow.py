@@ -19,15 +19,16 @@ def shown_lamps(lamps: Lamps) -> Lamps | None:
     return lamps.at(shown) if shown.any() else None
 
 
-def lamp_glow(lamps: Lamps, rays: CameraRays, points) -> np.ndarray:
-    """float32 (n, 3), radiance of the lamps that rays meet before anything else.
+def lamp_glow(lamps: Lamps, rays: CameraRays, points, n_groups: int = 0) -> np.ndarray:
+    """float32 (n, 3 + 3 n_groups), radiance of the lamps that rays meet before anything else: of
+    all, and of those of each light group.
 
     points: ShadingPoints, where rays end; ``pixel`` is the row of the ray
     """
     reach = np.full(len(rays.reach), np.inf, np.float32)
     away = points.position - rays.origins[points.pixel]
     reach[points.pixel] = np.sqrt(np.einsum("ij,ij->i", away, away))
-    glow = np.zeros((len(reach), 3), np.float32)
+    glow = np.zeros((len(reach), 3 + 3 * n_groups), np.float32)
     _add_glow(lamps, rays.origins, rays.directions, reach, rays.reach, glow)
     return glow
 
@@ -48,5 +49,9 @@ def _add_glow(lamps, origins, directions, reach, far_plane, glow):
             far, factor, _, _ = meet_lamp(lamps, i, px, py, pz, x, y, z, x, y, z)
             near = far < far_plane[k] or far == np.inf
             if factor > 0.0 and near and (far < reach[k] or reach[k] == np.inf):
+                column = 3 + 3 * lamps.group[i]
                 for a in range(3):
-                    glow[k, a] += np.float32(np.float64(lamps.radiance[i, a]) * factor)
+                    light = np.float32(np.float64(lamps.radiance[i, a]) * factor)
+                    glow[k, a] += light
+                    if 3 <= column < glow.shape[1]:
+                        glow[k, column + a] += light

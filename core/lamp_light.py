@@ -18,8 +18,9 @@ import numpy as np
 from ._jit import kernel
 from .accel import Accel, start_shadow_ray
 from .brdf import eval_at, pdf_narrowest_at, sample_narrowest_at
+from .lamp_choice import ALL_LAMPS, CHOSEN_LAMPS, powers_of, share_out
 from .lamp_shapes import meet_lamp, sample_lamp
-from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, MESH, ROUND_BEAM, SUN, Lamps
+from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, Lamps
 from .lobes import DIFFUSE_LOBE, Lobes
 from .lobes_at import lobes_at
 from .microfacet import MIN_ALPHA
@@ -30,10 +31,8 @@ from .shading import ShadingPoints
 from .turns import aside
 
 # Columns of a point's light: (r, g, b) by the diffuse lobe, by the glossy one, and the luminance of
-# all, were nothing between the lamps and the point.
+# all, were nothing between the lamps and the point. What follows is (r, g, b) of each light group.
 UNOCCLUDED, COLUMNS = 6, 7
-# Up to so many lamps all are sampled; of more, so many at each point.
-ALL_LAMPS, CHOSEN_LAMPS = 16, 8
 # Lobes of a greater alpha leave their lamps to the lamps' own samples.
 _NARROW = np.float32(0.3)
 _CAPACITY = 8192  # rays that are traced together
@@ -66,37 +65,6 @@ class LampSamples(NamedTuple):
     rows: np.ndarray
     number: np.ndarray
     seed: int
-
-
-def powers_of(lamps: Lamps) -> np.ndarray:
-    """float64 (n,): radiant intensity of each lamp, or its irradiance where it has no distance."""
-    light = lamps.radiance.astype(np.float64) @ (0.2126, 0.7152, 0.0722)
-    width, height = lamps.size.astype(np.float64).T
-    area = np.where(height > 0.0, width * height, math.pi * width**2)
-    sun = lamps.kind == SUN
-    area[sun] = math.pi * np.sin(width[sun]) ** 2
-    mesh = lamps.kind == MESH
-    area[mesh], light[mesh] = 0.5, lamps.faces.nodes[lamps.span[mesh, 2], 6]
-    beam = (lamps.kind == BEAM) | (lamps.kind == ROUND_BEAM)
-    return light * np.where(beam | (area == 0.0), 1.0, area)
-
-
-@kernel(forceinline=True)
-def _importance(lamps, powers, i, px, py, pz):
-    """What lamp i may bring to a point; 0 only where it brings nothing."""
-    kind = lamps.kind[i]
-    if kind == SUN:
-        return powers[i]
-    x = px - np.float64(lamps.position[i, 0])
-    y = py - np.float64(lamps.position[i, 1])
-    z = pz - np.float64(lamps.position[i, 2])
-    f = lamps.forward
-    if lamps.size[i, 1] > _ZERO and x * f[i, 0] + y * f[i, 1] + z * f[i, 2] <= 0.0:
-        return 0.0
-    if kind == BEAM or kind == ROUND_BEAM:
-        return powers[i]
-    radius = 0.5 * np.float64(max(lamps.size[i, 0], lamps.size[i, 1]))
-    return powers[i] / max(x * x + y * y + z * z, max(radius * radius, 1e-12))
 
 
 @kernel(forceinline=True)
@@ -149,13 +117,24 @@ def _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays,
         light[n, 0] + light[n, 3], light[n, 1] + light[n, 4], light[n, 2] + light[n, 5]
     )
     if not lamps.shadow[i]:
-        for c in range(COLUMNS):
-            sums[p, c] += light[n, c]
+        sums[p, UNOCCLUDED] += light[n, UNOCCLUDED]
+        for color in range(3):
+            _bring(lamps.group[i], color, light, n, sums, p)
         return n
     if not _aim(points, p, wi, far, lifted, offset, rays, n):
         return n
     rays.point[n], rays.lamp[n] = p, i
     return n + 1
+
+
+@kernel(forceinline=True)
+def _bring(group, color, light, n, sums, p):
+    """Add a color of row n of light to point p, and to a light group that has columns there."""
+    sums[p, color] += light[n, color]
+    sums[p, 3 + color] += light[n, 3 + color]
+    column = COLUMNS + 3 * group + color
+    if group >= 0 and column < sums.shape[1]:
+        sums[p, column] += light[n, color] + light[n, 3 + color]
 
 
 @kernel(forceinline=True)
@@ -210,18 +189,6 @@ def _by_lobe(at, points, p, lamps, shares, u, v, offset, rays, n, sums):
     return n
 
 
-@kernel(forceinline=True)
-def _share_out(lamps, powers, points, p, shares):
-    """Write how many samples each lamp may expect at point p."""
-    px, py, pz = _float64(points.position, p)
-    total = 0.0
-    for i in range(len(powers)):
-        shares[i] = _importance(lamps, powers, i, px, py, pz)
-        total += shares[i]
-    for i in range(len(powers)):
-        shares[i] = shares[i] * CHOSEN_LAMPS / total if total > 0.0 else 0.0
-
-
 @kernel
 def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, sums):
     """Write a sample of points from ``first`` on: (the next point, number of rays)."""
@@ -238,7 +205,7 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
         follows = at.kind > DIFFUSE_LOBE and at.alpha < _NARROW
         start = 0.0
         if choose:
-            _share_out(lamps, powers, points, p, shares)
+            share_out(lamps, powers, points, p, shares)
             start, _ = point_of_pixel(place, _CHOICE_SALT)
         i, passed = 0, shares[0]
         for k in range(count):
@@ -260,14 +227,13 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
 
 
 @kernel
-def _add(rays, n, blocked, sums):
+def _add(lamps, rays, n, blocked, sums):
     for k in range(n):
         p = rays.point[k]
         sums[p, UNOCCLUDED] += rays.light[k, UNOCCLUDED]
         for color in range(3):
             if not (blocked[k] >> color) & 1:
-                sums[p, color] += rays.light[k, color]
-                sums[p, 3 + color] += rays.light[k, 3 + color]
+                _bring(lamps.group[rays.lamp[k]], color, rays.light, k, sums, p)
 
 
 @aside()
@@ -276,7 +242,7 @@ def add_lamp_light(
 ) -> int:
     """Add one sample of every lamp to each point; returns how many shadow rays were traced.
 
-    sums: float64 (n, COLUMNS), radiance, added to
+    sums: float64 (n, COLUMNS or more), radiance, added to
     """
     n_lamps = len(lamps.kind)
     if not n_lamps or not len(points.pixel):
@@ -294,6 +260,6 @@ def add_lamp_light(
         own = points, lobes, lamps, powers, shares, samples, offset, first
         first, n = _draw(*own, rays, sums)
         own = rays.origins[:n], rays.directions[:n], np.empty(n, np.uint8), rays.reach[:n]
-        _add(rays, n, accel.occluded(*own, rays.lamp[:n]), sums)
+        _add(lamps, rays, n, accel.occluded(*own, rays.lamp[:n]), sums)
         traced += n
     return traced

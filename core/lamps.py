@@ -81,6 +81,7 @@ class Lamps(NamedTuple):
     spread: float32 (n, 2): an area's radiance at an angle a from its axis is multiplied by
         max(0, spread[0] - tan a) spread[1]; spread[0] = infinity: by 1
     link: int32 (n,), row of Scene.lamp_links, -1 = it is about all objects
+    group: int32 (n,), of AskedPasses.groups, -1 = none
     span: int32 (n, 3), first row of a MESH in faces, the row after its last, the root of its tree
     faces: of all, with the radiance of each
     """
@@ -98,6 +99,7 @@ class Lamps(NamedTuple):
     cone: np.ndarray
     spread: np.ndarray
     link: np.ndarray
+    group: np.ndarray
     span: np.ndarray
     faces: LampFaces
 
@@ -127,7 +129,8 @@ def make_lamps(rows: list[dict], faces: LampFaces = NO_FACES) -> Lamps:
     n = len(rows)
     columns = {name: np.zeros((n, *shape), np.float32) for name, shape in _SHAPES.items()}
     columns |= {"kind": np.zeros(n, np.int8), "shadow": np.ones(n, np.bool_)}
-    columns |= {"link": np.full(n, -1, np.int32), "span": np.zeros((n, 3), np.int32)}
+    columns |= {name: np.full(n, -1, np.int32) for name in ("link", "group")}
+    columns["span"] = np.zeros((n, 3), np.int32)
     columns["faces"] = faces
     columns["seen_by"] = np.full(n, BY_DIFFUSE | BY_GLOSSY, np.int8)
     columns["cone"][:, 0], columns["spread"][:, 0] = EVERYWHERE, np.inf

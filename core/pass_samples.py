@@ -11,6 +11,7 @@ from .block_loop import PASSES_AT_ONCE
 from .catchers import CaughtPasses, has_role, plays
 from .guide import new_guides
 from .incremental import PixelSums, new_sums
+from .light_groups import TileGroups
 from .merged_layers import merge_layers
 from .pass_rays import samples_of_a_pass
 from .pass_sums import PassSums, add_seen
@@ -40,8 +41,8 @@ class PassSampler:
 
     together: how many passes may be taken at once; one where each is decided upon (rule PAPER), or
         has a slice of the shutter's time in common
-    lamps: what they bring to the pixels; occlusion: the pass of that name;
-    surface: those of the surfaces alone
+    lamps: what they bring to the pixels; groups: what else light groups do; occlusion: the pass of
+        that name; surface: those of the surfaces alone
     traced: shadow rays so far, without theirs
     """
 
@@ -53,7 +54,7 @@ class PassSampler:
         self._caught = CaughtPasses(n) if has_role(job.scene, SHADOW_CATCHER) else None
         self.lamps = TileLamps(job.scene, job.settings, job.accel, n)
         self.occlusion = TileOcclusion(job.scene, job.settings, job.accel, n)
-        self.surface = SurfacePasses(job.scene, n)
+        self.groups, self.surface = TileGroups(job.scene, n), SurfacePasses(job.scene, n)
         self._batch = samples_of_a_pass(job.settings, job.scene.camera)
         alone = job.settings.stop_rule == "PAPER" or job.slices
         self.together = 1 if alone else PASSES_AT_ONCE
@@ -104,6 +105,7 @@ class PassSampler:
         points = seen.points
         places = frame_places(self._around, points.pixel)
         self.lamps.add_pass(layers, places, number, sums)
+        self.groups.add_emission(points, points.pixel, seen.lobes.emission)
         self.occlusion.add_pass(points, seen.lobes, places, number)
         add_seen(points.pixel, points.normal, seen.lobes, sums, self._state)
 

@@ -69,9 +69,11 @@ class TileLamps:
         soft = is_soft(scene.lamps)
         self._any, self._accel, self._settings = len(soft) > 0, accel, settings
         self._links, self._object_of = scene.lamp_links, scene.mesh.object_index
+        self._groups = scene.asked.groups.layers
+        self._columns = COLUMNS + 3 * len(self._groups)
         if self._any:
             self._soft, self._hard = (_groups(scene.lamps.at(own)) for own in (soft, ~soft))
-        self._light = np.zeros((n if self._any else 0, COLUMNS))
+        self._light = np.zeros((n if self._any else 0, self._columns))
         self._count = np.zeros(len(self._light), np.int32)
         # Powers of two: blocks of the sequence that fill a lamp evenly.
         few = max(_RAYS_OF_A_PASS // max(int(soft.sum()), 1), 1)
@@ -92,7 +94,7 @@ class TileLamps:
         if not self._any:
             return
         pixel, count = layers[0].seen.points.pixel, self._of_a_pass
-        light = np.zeros((len(pixel), COLUMNS))
+        light = np.zeros((len(pixel), self._columns))
         soft = self._lit(layers, self._soft, self._accel)
         for k in range(count):
             self._add(soft, places, number * count + k, light)
@@ -117,7 +119,7 @@ class TileLamps:
             return
         most = min(max(self._settings.max_samples, 1), _MOST)
         light = self._settled(layers, places, 0, min(_FIRST, most))
-        mean, squared = light[:, :COLUMNS], light[:, COLUMNS]
+        mean, squared = light[:, :-1], light[:, -1]
         count = np.full(len(light), min(_FIRST, most))
         if most > _FIRST:
             total = _squared(mean)
@@ -125,20 +127,20 @@ class TileLamps:
             hidden = (total == 0.0) & (mean[:, UNOCCLUDED] > 0.0)
             unsure = np.flatnonzero(hidden | (spread > _SURE**2 * total))
             some, where = [layer.at(unsure) for layer in layers], [p[unsure] for p in places]
-            mean[unsure] += self._settled(some, where, _FIRST, most)[:, :COLUMNS]
+            mean[unsure] += self._settled(some, where, _FIRST, most)[:, :-1]
             count[unsure] = most
         self._light[:] = mean / count[:, None]
         self._add(self._lit(layers, self._hard, self._accel), places, 0, self._light)
 
     def _settled(self, layers, places, first, end) -> np.ndarray:
-        """float64 (n, COLUMNS + 1): sums of samples first ... end - 1, last their _squared."""
-        sums = np.zeros((len(places[0]), COLUMNS + 1))
+        """float64 (n, columns + 1): sums of samples first ... end - 1, last their _squared."""
+        sums = np.zeros((len(places[0]), self._columns + 1))
         soft = self._lit(layers, self._soft, self._accel)
         for k in range(first, end):
-            light = np.zeros((len(sums), COLUMNS))
+            light = np.zeros((len(sums), self._columns))
             self._add(soft, places, k, light)
-            sums[:, :COLUMNS] += light
-            sums[:, COLUMNS] += _squared(light)
+            sums[:, :-1] += light
+            sums[:, -1] += _squared(light)
         return sums
 
     def _lit(self, layers: list[ClosureLayer], groups: list[_Group], accel) -> list[_Lit]:
@@ -160,7 +162,7 @@ class TileLamps:
             columns, rows = (apart * place[of].astype(np.int64) for place in places)
             own = np.broadcast_to(number, len(places[0]))[of].astype(np.int64)
             samples = LampSamples(columns, rows, own, self._settings.seed)
-            part = np.zeros((len(of), COLUMNS))
+            part = np.zeros((len(of), light.shape[1]))
             given = seen.points, seen.lobes, lamps, blocking, samples, part
             self.traced += add_lamp_light(*given)
             light[of] += part
@@ -199,7 +201,7 @@ class TileLamps:
         )
 
     def add_to_layers(self, layers, rows, place, weight) -> None:
-        """Add the light to a tile's developed layers, in which its colours stand already.
+        """Add the light to a tile's developed layers, in which colours and groups stand already.
 
         rows: of the light; place: pixels of the layers, -1 = outside; weight: float64, of each
         """
@@ -208,6 +210,9 @@ class TileLamps:
         flat = {name: layers[name].reshape(-1, layers[name].shape[2]) for name in _Layers._fields}
         light = self._light[rows] * np.reshape(weight, (-1, 1))
         _add_to_flat(place, light, _Layers(*(flat[name] for name in _Layers._fields)))
+        for k, name in enumerate(self._groups):
+            first = COLUMNS + 3 * k
+            layers[name].reshape(-1, 3)[place[place >= 0]] += light[place >= 0, first : first + 3]
 
 
 @kernel

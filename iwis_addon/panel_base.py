@@ -27,6 +27,17 @@ class IWISPanel:
         return self.layout
 
 
+def draw_light_group(layout, owner, view_layer) -> None:
+    """The name of the light group that an object or a world is in, and a button that makes it."""
+    names = {group.name for group in view_layer.lightgroups}
+    row = layout.row(align=True)
+    found = view_layer, "lightgroups"
+    row.prop_search(owner, "lightgroup", *found, text="Light Group", results_are_suggestions=True)
+    sub = row.column(align=True)
+    sub.enabled = bool(owner.lightgroup) and owner.lightgroup not in names
+    sub.operator("scene.view_layer_add_lightgroup", icon="ADD", text="").name = owner.lightgroup
+
+
 def wrapped(layout, context, text: str, icon: str) -> None:
     """A text in as many labels as the panel's width asks for: Blender would cut it off."""
     region = context.region

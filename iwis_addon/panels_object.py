@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import bpy
 
-from .panel_base import IWISPanel
+from .panel_base import IWISPanel, draw_light_group
 
 _GEOMETRY = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
 
@@ -55,6 +55,16 @@ class IWIS_PT_object_terminator(_ObjectPanel, bpy.types.Panel):
         self.split_layout().prop(context.object, "shadow_terminator_geometry_offset")
 
 
+class IWIS_PT_object_light_group(_ObjectPanel, bpy.types.Panel):
+    bl_label = "Light Group"
+    bl_parent_id = "OBJECT_PT_shading"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+    kinds: ClassVar[set[str]] = {*_GEOMETRY, "LIGHT"}
+
+    def draw(self, context):
+        draw_light_group(self.split_layout(), context.object, context.view_layer)
+
+
 class IWIS_PT_object_motion_blur(_ObjectPanel, bpy.types.Panel):
     bl_label = "Motion Blur"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
@@ -96,6 +106,7 @@ class IWIS_PT_material_settings(IWISPanel, bpy.types.Panel):
 CLASSES = (
     IWIS_PT_object_visibility,
     IWIS_PT_object_terminator,
+    IWIS_PT_object_light_group,
     IWIS_PT_object_motion_blur,
     IWIS_PT_material_settings,
 )

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import bpy
 
-from .panel_base import IWISPanel
+from .panel_base import IWISPanel, draw_light_group
 
 
 class _WorldPanel(IWISPanel):
@@ -62,11 +62,19 @@ class IWIS_PT_world_visibility(_WorldPanel, bpy.types.Panel):
         self.split_layout().prop(context.scene.world.cycles_visibility, "camera")
 
 
+class IWIS_PT_world_light_group(_WorldPanel, bpy.types.Panel):
+    bl_label = "Light Group"
+
+    def draw(self, context):
+        draw_light_group(self.split_layout(), context.scene.world, context.view_layer)
+
+
 CLASSES = (
     IWIS_PT_world_preview,
     IWIS_PT_world_visibility,
     IWIS_PT_world_mist,
     IWIS_PT_world_occlusion,
+    IWIS_PT_world_light_group,
 )
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

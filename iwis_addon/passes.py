@@ -25,7 +25,7 @@ class Pass:
     name: what Blender, its compositor and its EXR files call it
     channel_ids: one letter a channel; kind: COLOR, VECTOR or VALUE, the socket's type
     flag: property of the view layer that asks for it, or of `view_layer.iwis`; "" = always there
-    group: DATA, LIGHT, IWIS or CRYPTOMATTE, the panel that shows the flag
+    group: DATA, LIGHT, IWIS or CRYPTOMATTE, the panel that shows the flag; LIGHT_GROUPS
     first: the channel of the layer that it begins with
     """
 
@@ -107,13 +107,15 @@ MATTES = {
     "Asset": "use_pass_cryptomatte_asset",
 }
 
+_GROUP = "light_group:"  # what layers of light groups begin with
+
 
 def wanted_passes(view_layer) -> list[Pass]:
-    """The passes that the view layer asks for: of TABLE, and its mattes."""
+    """The passes that the view layer asks for: of TABLE, its mattes and light groups."""
     rows = [row for row in TABLE if row.wanted(view_layer)]
     for kind in wanted_mattes(view_layer):
         rows += matte_passes(kind, channels_of(view_layer.pass_cryptomatte_depth))
-    return rows
+    return rows + [group_pass(group.name) for group in view_layer.lightgroups]
 
 
 def wanted_mattes(view_layer) -> list[str]:
@@ -133,6 +135,26 @@ def matte_passes(kind: str, channels: int) -> list[Pass]:
         Pass(matte_layer(kind), f"Crypto{kind}{k // 4:02d}", *own, first=k)
         for k in range(0, channels, 4)
     ]
+
+
+def group_layer(name: str) -> str:
+    """The layer of a light group."""
+    return f"{_GROUP}{name}"
+
+
+def group_pass(name: str) -> Pass:
+    """What the lights of a group bring to the picture."""
+    return Pass(group_layer(name), f"Combined_{name}", "RGB", "COLOR", "", "LIGHT_GROUPS")
+
+
+def passes_of(layers: dict) -> list[Pass]:
+    """All that a film's layers have: of TABLE, mattes and light groups."""
+    mattes = []
+    for kind in MATTES:
+        if matte_layer(kind) in layers:
+            mattes += matte_passes(kind, layers[matte_layer(kind)].shape[2])
+    names = [layer.removeprefix(_GROUP) for layer in layers if layer.startswith(_GROUP)]
+    return [*TABLE, *mattes, *map(group_pass, names)]
 
 
 def register_passes(engine, scene, view_layer) -> None:

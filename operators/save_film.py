@@ -6,7 +6,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ..iwis_addon.exr_process import write_exr
 from ..iwis_addon.job import RenderJob
-from ..iwis_addon.passes import MATTES, TABLE, Pass, matte_layer, matte_passes
+from ..iwis_addon.passes import passes_of
 
 
 class IWIS_OT_save_film(bpy.types.Operator, ExportHelper):
@@ -44,16 +44,10 @@ def film_layers(films: dict) -> tuple[dict, dict]:
     """
     layers, letters = {}, {}
     for (layer, view), film in films.items():
-        for row in (*TABLE, *_mattes(film.layers)):
+        for row in passes_of(film.layers):
             name = ".".join(part for part in (layer, row.name, view) if part)
             layers[name], letters[name] = row.pixels(film.layers), row.channel_ids
     return layers, letters
-
-
-def _mattes(layers: dict) -> list[Pass]:
-    """The passes of the mattes that a film has."""
-    there = [kind for kind in MATTES if matte_layer(kind) in layers]
-    return [row for kind in there for row in matte_passes(kind, layers[matte_layer(kind)].shape[2])]
 
 
 CLASSES = (IWIS_OT_save_film,)

@@ -10,7 +10,7 @@ motion, object_motion        camera and objects at other times, where the shutte
 material, shader_reader      shader nodes to rows of materials, and to closures of programs
 program_builder, ..._nodes, ..._images, surface_data
                              value nodes to operations, with all that these look up
-asked                        passes on request: mist, mattes, ambient occlusion
+asked, light_groups          passes on request: mist, mattes, ambient occlusion, groups of lights
 measured                     materials with a measured BRDF in place of nodes
 live, late_sky               a window's scene, of which only what has changed is read again, and
                              whose skies are not waited for
@@ -29,6 +29,7 @@ from ...core.scene import NO_MEASURED, Scene
 from .asked import read_asked
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
+from .light_groups import rows_of
 from .live import LiveExport
 from .material import MaterialExport, export_shaders
 from .measured import add_measured, without_measured
@@ -124,8 +125,8 @@ def _with_lamps(scene: Scene, geometry: MeshExport, warnings: list[str]) -> Scen
     turned: list[int] = []
     inventory, emission = geometry.inventory, scene.materials.emission
     every = [look.asked for look in inventory.looks]
-    link = inventory.links.rows_of(every)
-    lamps = with_emitters(inventory.lamps, scene.mesh, emission, scene, turned, link)
+    own = inventory.links.rows_of(every), rows_of(every, inventory.groups)
+    lamps = with_emitters(inventory.lamps, scene.mesh, emission, scene, turned, *own)
     for k in turned:
         if k < len(geometry.materials) and geometry.materials[k] is not None:
             reader = NodeReader(geometry.materials[k].name, geometry.material_users[k], warnings)

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...core.asked_passes import AskedPasses, Matte, Mist, UvMaps, matte_ids
 from ..passes import matte_layer, wanted_mattes
+from .light_groups import read_groups
 from .mesh import MeshExport
 from .surface_data import surface_data
 from .world import world_of
@@ -31,7 +32,9 @@ def read_asked(depsgraph, geometry: MeshExport) -> AskedPasses:
         uv = _uv_maps(geometry)
     levels = layer.pass_cryptomatte_depth
     mattes = tuple(_matte(kind, levels, geometry) for kind in wanted_mattes(layer))
-    return AskedPasses(occlusion, mist, uv, mattes)
+    every = [look.asked for look in geometry.inventory.looks]
+    groups = read_groups(every, world, geometry.inventory.layer, geometry.inventory.groups)
+    return AskedPasses(occlusion, mist, uv, mattes, groups)
 
 
 def _uv_maps(geometry: MeshExport) -> UvMaps:

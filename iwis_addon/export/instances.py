@@ -19,6 +19,7 @@ from .errors import ExportCancelled
 from .lamp_links import LampLinks
 from .lamps import read_lamp
 from .left_out import UNSUPPORTED_TYPES, LeftOut
+from .light_groups import group_numbers, group_of
 from .local_mesh import LiveMeshes, LocalMesh
 from .object_flags import flags_of
 from .object_properties import Asked, asks_instancers, outermost_index
@@ -71,6 +72,7 @@ class Inventory(NamedTuple):
     sources: of PartReader, one a part, while the graph lives
     looks: one an instance
     lamps: rows for core.lamps.make_lamps; links: what these, and objects that shine, are about
+    groups: group_numbers of the layer; none in a window
     layer: the evaluated view layer, scene and world
     """
 
@@ -81,6 +83,7 @@ class Inventory(NamedTuple):
     looks: list[Look]
     lamps: list[dict]
     links: LampLinks
+    groups: dict[str, int]
     layer: tuple
 
 
@@ -123,7 +126,8 @@ class _Collector:
         self._named: list[int] = []  # rows whose random number comes from their name
         scene = depsgraph.scene_eval
         layer = depsgraph.view_layer_eval, scene, scene.world
-        self.inventory = Inventory([], [], [], [], [], [], LampLinks(depsgraph), layer)
+        groups = group_numbers(layer[0]) if live is None else {}
+        self.inventory = Inventory([], [], [], [], [], [], LampLinks(depsgraph), groups, layer)
         self.ignored, self.lamp_warnings = LeftOut(), []
 
     def _material_row(self, material) -> int:
@@ -254,6 +258,8 @@ class _Collector:
             lamp = read_lamp(obj, item.matrix_world, self.lamp_warnings)
             if lamp is not None:
                 lamp["link"] = self.inventory.links.row_of(obj)
+                asked = Asked(obj, item.parent if item.is_instance else None)
+                lamp["group"] = group_of(asked, self.inventory.groups)
                 self.inventory.lamps.append(lamp)
         elif kind in UNSUPPORTED_TYPES:
             reason = f"Not rendered, {UNSUPPORTED_TYPES[kind]} are not supported"

@@ -7,6 +7,8 @@ import bpy
 from iwis.iwis_addon import panels_object
 from support.panel_layout import Layout
 
+GROUP = {"lightgroup", "scene.view_layer_add_lightgroup"}
+
 
 def _drawn(context):
     """What the object panels that show themselves draw."""
@@ -34,16 +36,18 @@ def test_objects_can_be_set(scene):
         "is_shadow_catcher",
         "shadow_terminator_geometry_offset",
         "motion_steps",
+        *GROUP,
     }
     expected = {
         mesh: shape,
         copies: shape,
-        lamp: {"visible_camera", "visible_diffuse", "visible_glossy"},
+        lamp: {"visible_camera", "visible_diffuse", "visible_glossy", *GROUP},
         camera: {"motion_steps"},
         empty: set(),
     }
     for obj, names in expected.items():
-        context = types.SimpleNamespace(engine="IWIS", object=obj, scene=scene)
+        layer = scene.view_layers[0]
+        context = types.SimpleNamespace(engine="IWIS", object=obj, scene=scene, view_layer=layer)
         assert _drawn(context) == names, obj.name
     assert not _drawn(types.SimpleNamespace(engine="IWIS", object=None, scene=scene))
 

@@ -16,9 +16,24 @@ class Layout:
         self.drawn.append(name)
 
     def operator(self, name, **_options):
-        assert hasattr(bpy.types, name.replace("iwis.", "IWIS_OT_")), name
+        module, _, own = name.partition(".")
+        assert own in dir(getattr(bpy.ops, module)), name
         self.drawn.append(name)
         return types.SimpleNamespace()
+
+    def prop_search(self, owner, name, search_owner, search_name, **_options):
+        assert search_name in search_owner.bl_rna.properties, (search_owner, search_name)
+        self.prop(owner, name)
+
+    def template_list(self, _kind, _id, owner, name, active_owner, active, **_options):
+        assert active in active_owner.bl_rna.properties, (active_owner, active)
+        self.prop(owner, name)
+
+    def menu(self, name, **_options):
+        assert hasattr(bpy.types, name), name
+
+    def separator(self):
+        pass
 
     template_curve_mapping = prop
 

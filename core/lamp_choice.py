@@ -1,0 +1,58 @@
+"""Which of many lamps a point takes: in proportion to what each may bring there."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ._jit import kernel
+from .lamps import BEAM, MESH, ROUND_BEAM, SUN, Lamps
+
+# Up to so many lamps all are sampled; of more, so many at each point.
+ALL_LAMPS, CHOSEN_LAMPS = 16, 8
+_ZERO = np.float32(0.0)
+
+
+def powers_of(lamps: Lamps) -> np.ndarray:
+    """float64 (n,): radiant intensity of each lamp, or its irradiance where it has no distance."""
+    light = lamps.radiance.astype(np.float64) @ (0.2126, 0.7152, 0.0722)
+    width, height = lamps.size.astype(np.float64).T
+    area = np.where(height > 0.0, width * height, math.pi * width**2)
+    sun = lamps.kind == SUN
+    area[sun] = math.pi * np.sin(width[sun]) ** 2
+    mesh = lamps.kind == MESH
+    area[mesh], light[mesh] = 0.5, lamps.faces.nodes[lamps.span[mesh, 2], 6]
+    beam = (lamps.kind == BEAM) | (lamps.kind == ROUND_BEAM)
+    return light * np.where(beam | (area == 0.0), 1.0, area)
+
+
+@kernel(forceinline=True)
+def _importance(lamps, powers, i, px, py, pz):
+    """What lamp i may bring to a point; 0 only where it brings nothing."""
+    kind = lamps.kind[i]
+    if kind == SUN:
+        return powers[i]
+    x = px - np.float64(lamps.position[i, 0])
+    y = py - np.float64(lamps.position[i, 1])
+    z = pz - np.float64(lamps.position[i, 2])
+    f = lamps.forward
+    if lamps.size[i, 1] > _ZERO and x * f[i, 0] + y * f[i, 1] + z * f[i, 2] <= 0.0:
+        return 0.0
+    if kind == BEAM or kind == ROUND_BEAM:
+        return powers[i]
+    radius = 0.5 * np.float64(max(lamps.size[i, 0], lamps.size[i, 1]))
+    return powers[i] / max(x * x + y * y + z * z, max(radius * radius, 1e-12))
+
+
+@kernel(forceinline=True)
+def share_out(lamps, powers, points, p, shares):
+    """Write how many samples each lamp may expect at point p."""
+    place = points.position
+    px, py, pz = np.float64(place[p, 0]), np.float64(place[p, 1]), np.float64(place[p, 2])
+    total = 0.0
+    for i in range(len(powers)):
+        shares[i] = _importance(lamps, powers, i, px, py, pz)
+        total += shares[i]
+    for i in range(len(powers)):
+        shares[i] = shares[i] * CHOSEN_LAMPS / total if total > 0.0 else 0.0
