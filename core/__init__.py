@@ -27,7 +27,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
     emitters
     scene_rays, block_loop, reference, catchers,     8  UNBIASED's loop; estimators to compare with
-    unbiased_rays
+    unbiased_rays, shader_values
     two_stage, tile_job, render_cache, loop_types,   9  another one; a tile's work; what is kept
     surface_passes
     merged_layers, tile_lamps, budget, warm_up,     10  closures together; BUDGET

@@ -126,14 +126,30 @@ class SurfaceData:
     pass_index: np.ndarray
 
 
+class Aov(NamedTuple):
+    """What nodes of materials write into a pass.
+
+    layer: its name in the film; channels: 4, a colour and 1, or 1, a number
+    programs: one a material, of which the closures are not asked; None: it writes nothing
+    values: of the programs, one a material
+    """
+
+    layer: str
+    channels: int
+    programs: tuple[Program | None, ...]
+    values: tuple[Value | None, ...]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Shaders:
     """The programs of a scene.
 
     programs: one a material; None where MaterialParams' row says all
     material_pass_index: float32, one a material
+    aovs: what materials write into passes that are asked for
     """
 
     programs: tuple[Program | None, ...]
     surface: SurfaceData
     material_pass_index: np.ndarray
+    aovs: tuple[Aov, ...] = ()

@@ -130,8 +130,9 @@ def surface_lobes(scene: Scene, points: ShadingPoints) -> tuple[ShadingPoints, L
     """The points, on the side that they shine from, and their lobes, float32, one row each: of
     several closures the one of the greatest weight, with the weight of all."""
     columns = _Columns(scene, points)
-    for which, program, context in _materials_of(scene, points):
-        layers, glow = _evaluate(program, context, which, scene.pose)
+    programs = scene.shaders.programs
+    for which, number, context in _contexts(scene, points, programs):
+        layers, glow = _evaluate(programs[number], context, which, scene.pose)
         columns.params.emission[which] = glow
         picked, layers = _heaviest(layers)
         for k, layer in enumerate(layers):
@@ -153,8 +154,9 @@ def closure_layers(
     n = len(points.pixel)
     glow = scene.materials.emission[scene.mesh.material_index[points.triangle]]
     found: list[list[_Layer]] = [[]]
-    for which, program, context in _materials_of(scene, points):
-        layers, glow[which] = _evaluate(program, context, which, scene.pose)
+    programs = scene.shaders.programs
+    for which, number, context in _contexts(scene, points, programs):
+        layers, glow[which] = _evaluate(programs[number], context, which, scene.pose)
         for k, layer in enumerate(_packed(layers)):
             if k == len(found):
                 found.append([])
@@ -176,16 +178,26 @@ def _packed(layers: list[_Layer]) -> list[_Layer]:
     return [layers[0], *(layer for layer in there if len(layer.which))]
 
 
-def _materials_of(scene: Scene, points: ShadingPoints):
-    """(rows of the points, program, context) of each material that has a program."""
+def materials_of(scene: Scene, points: ShadingPoints, programs):
+    """(rows of the points, number, Evaluation) of each material that has a program.
+
+    programs: one a material, or None
+    """
+    for which, number, context in _contexts(scene, points, programs):
+        yield which, number, Evaluation(programs[number], context)
+
+
+def _contexts(scene: Scene, points: ShadingPoints, programs):
+    """(rows of the points, number, context) of each material that has a program."""
     rows = scene.mesh.material_index[points.triangle]
+    there = [row for row in np.unique(rows) if programs[row] is not None]
+    if not there:
+        return
     at_rest = points_at_rest(scene.pose, scene.mesh, points)
     context = ShadeContext.of_points(scene, at_rest)
-    for row in np.unique(rows):
-        program = scene.shaders.programs[row]
-        if program is not None:
-            which = np.flatnonzero(rows == row)
-            yield which, program, context.take(which)
+    for row in there:
+        which = np.flatnonzero(rows == row)
+        yield which, row, context.take(which)
 
 
 def _evaluate(program: Program, context, which, pose) -> tuple[list[_Layer], np.ndarray]:

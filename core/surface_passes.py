@@ -1,4 +1,4 @@
-"""Passes that need no light: mist, UV and mattes, of all points that a pixel's rays hit.
+"""Passes that need no light: mist, UV, mattes and AOVs, of all points that a pixel's rays hit.
 
 They cost nothing where the scene asks for none of them.
 """
@@ -10,6 +10,7 @@ import numpy as np
 from .catchers import plays
 from .cryptomatte import TileMattes
 from .scene import HOLDOUT, Scene
+from .shader_values import TileAov
 from .shading import ShadingPoints
 from .surface_numbers import TileMist, TileUv
 
@@ -24,6 +25,8 @@ class SurfacePasses:
             self._kinds.append(TileMist(n))
         if asked.uv is not None:
             self._kinds.append(TileUv(n))
+        if scene.shaders is not None:
+            self._kinds += [TileAov(aov, n) for aov in scene.shaders.aovs]
 
     @property
     def wanted(self) -> bool:
@@ -31,17 +34,21 @@ class SurfacePasses:
         return bool(self._kinds)
 
     def add(self, scene: Scene, points: ShadingPoints, place: np.ndarray) -> None:
-        """Add points to their pixels, of which holdouts show nothing.
+        """Add points to their pixels, of which holdouts show nothing but what their nodes write.
 
         scene: at their slice of the shutter's time; place: int32 (k,), -1 = none
         """
         if not self.wanted:
             return
-        shown = ~plays(scene, points, HOLDOUT) & (place >= 0)
-        if not shown.all():
-            points, place = points.at(shown), place[shown]
+        inside = place >= 0
+        if not inside.all():
+            points, place = points.at(inside), place[inside]
+        shown = ~plays(scene, points, HOLDOUT)
         for kind in self._kinds:
-            kind.add(scene, points, place)
+            if shown.all() or isinstance(kind, TileAov):
+                kind.add(scene, points, place)
+            else:
+                kind.add(scene, points.at(shown), place[shown])
 
     def write(self, layers: dict[str, np.ndarray], rows, passes: np.ndarray) -> None:
         """Write the layers of a tile. rows: its pixels; passes: int (k,), rays of each."""

@@ -5,7 +5,10 @@ from __future__ import annotations
 from typing import ClassVar
 
 import bpy
-from bl_ui.properties_view_layer import ViewLayerLightgroupsPanelHelper
+from bl_ui.properties_view_layer import (
+    ViewLayerAOVPanelHelper,
+    ViewLayerLightgroupsPanelHelper,
+)
 
 from .panel_base import IWISPanel
 from .passes import MATTES, TABLE
@@ -54,6 +57,12 @@ class IWIS_PT_passes_cryptomatte(IWISPanel, bpy.types.Panel):
         column.prop(layer, "pass_cryptomatte_depth", text="Levels")
 
 
+class IWIS_PT_passes_aov(IWISPanel, ViewLayerAOVPanelHelper, bpy.types.Panel):
+    bl_label = "Shader AOV"
+    bl_context = "view_layer"
+    bl_parent_id = "VIEWLAYER_PT_layer_passes"
+
+
 class IWIS_PT_passes_light_groups(IWISPanel, ViewLayerLightgroupsPanelHelper, bpy.types.Panel):
     bl_label = "Light Groups"
     bl_context = "view_layer"
@@ -76,6 +85,7 @@ CLASSES = (
     IWIS_PT_passes_light,
     IWIS_PT_passes_cryptomatte,
     IWIS_PT_passes_iwis,
+    IWIS_PT_passes_aov,
     IWIS_PT_passes_light_groups,
     IWIS_PT_override,
 )

@@ -25,7 +25,8 @@ class Pass:
     name: what Blender, its compositor and its EXR files call it
     channel_ids: one letter a channel; kind: COLOR, VECTOR or VALUE, the socket's type
     flag: property of the view layer that asks for it, or of `view_layer.iwis`; "" = always there
-    group: DATA, LIGHT, IWIS or CRYPTOMATTE, the panel that shows the flag; LIGHT_GROUPS
+    group: DATA, LIGHT, IWIS or CRYPTOMATTE, the panel that shows the flag; AOV,
+        LIGHT_GROUPS
     first: the channel of the layer that it begins with
     """
 
@@ -107,14 +108,15 @@ MATTES = {
     "Asset": "use_pass_cryptomatte_asset",
 }
 
-_GROUP = "light_group:"  # what layers of light groups begin with
+_GROUP, _AOV = "light_group:", "aov:"  # what layers of light groups and AOVs begin with
 
 
 def wanted_passes(view_layer) -> list[Pass]:
-    """The passes that the view layer asks for: of TABLE, its mattes and light groups."""
+    """The passes that the view layer asks for: of TABLE, its mattes, AOVs and light groups."""
     rows = [row for row in TABLE if row.wanted(view_layer)]
     for kind in wanted_mattes(view_layer):
         rows += matte_passes(kind, channels_of(view_layer.pass_cryptomatte_depth))
+    rows += [aov_pass(aov.name, 4 if aov.type == "COLOR" else 1) for aov in wanted_aovs(view_layer)]
     return rows + [group_pass(group.name) for group in view_layer.lightgroups]
 
 
@@ -147,14 +149,35 @@ def group_pass(name: str) -> Pass:
     return Pass(group_layer(name), f"Combined_{name}", "RGB", "COLOR", "", "LIGHT_GROUPS")
 
 
+def wanted_aovs(view_layer) -> list:
+    """The AOVs of a view layer that have a pass: those whose names clash with others have none."""
+    return [aov for aov in view_layer.aovs if aov.is_valid and aov.name]
+
+
+def aov_layer(name: str) -> str:
+    """The layer of an AOV."""
+    return f"{_AOV}{name}"
+
+
+def aov_pass(name: str, channels: int) -> Pass:
+    """What nodes of materials write: a colour with its share of the pixel, or a number."""
+    ids, kind = ("RGBA", "COLOR") if channels == 4 else ("X", "VALUE")
+    return Pass(aov_layer(name), name, ids, kind, "", "AOV")
+
+
 def passes_of(layers: dict) -> list[Pass]:
-    """All that a film's layers have: of TABLE, mattes and light groups."""
+    """All that a film's layers have: of TABLE, mattes, AOVs and light groups."""
     mattes = []
     for kind in MATTES:
         if matte_layer(kind) in layers:
             mattes += matte_passes(kind, layers[matte_layer(kind)].shape[2])
     names = [layer.removeprefix(_GROUP) for layer in layers if layer.startswith(_GROUP)]
-    return [*TABLE, *mattes, *map(group_pass, names)]
+    aovs = [
+        aov_pass(layer.removeprefix(_AOV), pixels.shape[2])
+        for layer, pixels in layers.items()
+        if layer.startswith(_AOV)
+    ]
+    return [*TABLE, *mattes, *aovs, *map(group_pass, names)]
 
 
 def register_passes(engine, scene, view_layer) -> None:

@@ -10,7 +10,8 @@ motion, object_motion        camera and objects at other times, where the shutte
 material, shader_reader      shader nodes to rows of materials, and to closures of programs
 program_builder, ..._nodes, ..._images, surface_data
                              value nodes to operations, with all that these look up
-asked, light_groups          passes on request: mist, mattes, ambient occlusion, groups of lights
+asked, light_groups, aovs    passes on request: mist, mattes, ambient occlusion, groups of lights,
+                             what nodes write
 measured                     materials with a measured BRDF in place of nodes
 live, late_sky               a window's scene, of which only what has changed is read again, and
                              whose skies are not waited for
@@ -26,6 +27,7 @@ from ...core.asked_passes import NO_PASSES
 from ...core.emitters import with_emitters
 from ...core.program import Shaders
 from ...core.scene import NO_MEASURED, Scene
+from .aovs import AovExport, export_aovs
 from .asked import read_asked
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
@@ -95,10 +97,12 @@ def export_scene(
     if cancelled():
         raise ExportCancelled
     scene = depsgraph.scene_eval
+    layer = None if live is not None else depsgraph.view_layer_eval
+    aovs = export_aovs(layer, geometry.materials, geometry.material_users, warnings, texels)
     unlit = Scene(
         mesh=geometry.mesh,
         materials=materials.params,
-        shaders=_shaders(geometry, materials, warnings),
+        shaders=_shaders(geometry, materials, aovs, warnings),
         environment=world.light,
         backdrop=world.backdrop,
         camera=camera,
@@ -109,7 +113,7 @@ def export_scene(
         transparent_film=scene.render.film_transparent,
         measured=measured or NO_MEASURED,
         exposure=film_exposure(scene),
-        asked=NO_PASSES if live is not None else read_asked(depsgraph, geometry),
+        asked=NO_PASSES if live is not None else read_asked(depsgraph, geometry, warnings),
         object_to_world=None if live is None else _places(geometry),
     )
     return _with_lamps(unlit, geometry, warnings)
@@ -151,16 +155,16 @@ def _export_materials(geometry: MeshExport, texels, warnings: list[str]):
 
 
 def _shaders(
-    geometry: MeshExport, materials: MaterialExport, warnings: list[str]
+    geometry: MeshExport, materials: MaterialExport, aovs: AovExport, warnings: list[str]
 ) -> Shaders | None:
     """The programs of the scene's materials; None where no material needs one."""
-    if not any(materials.programs):
+    if not any(materials.programs) and not aovs.aovs:
         return None
-    surface = surface_data(
-        geometry.inventory, geometry.mesh, geometry.kept, materials.requests, warnings
-    )
+    requests = tuple(a | b for a, b in zip(materials.requests, aovs.requests, strict=True))
+    surface = surface_data(geometry.inventory, geometry.mesh, geometry.kept, requests, warnings)
     return Shaders(
         programs=materials.programs,
         surface=surface,
         material_pass_index=materials.pass_index,
+        aovs=aovs.aovs,
     )

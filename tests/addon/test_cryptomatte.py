@@ -12,10 +12,9 @@ from iwis.core.exr import read_exr_layers
 from iwis.iwis_addon.job import RenderJob
 from iwis.iwis_addon.passes import MATTES
 from iwis.operators.save_film import film_layers
+from support.compositor import IS_5, empty_tree
 from support.cycles_render import use_cycles
 from support.iwis_render import render_iwis
-
-IS_5 = bpy.app.version >= (5, 0, 0)
 
 
 @pytest.fixture
@@ -117,7 +116,7 @@ def by_pass(layers):
 def test_sockets_are_those_of_cycles(cube_scene, levels):
     """As many passes as half the levels; none where no kind is asked for."""
     layer = cube_scene.view_layers[0]
-    tree = _tree(cube_scene)
+    tree = empty_tree(cube_scene)
     node = tree.nodes.new("CompositorNodeRLayers")
     layer.pass_cryptomatte_depth = levels
     found = {}
@@ -137,7 +136,7 @@ def test_sockets_are_those_of_cycles(cube_scene, levels):
 def test_blenders_node_finds_the_mattes(matte_scene, tmp_path):
     """The Cryptomatte node picks the cube and its ball by name: its matte is their coverage."""
     matte_scene.iwis.max_samples = 16
-    tree = _tree(matte_scene)
+    tree = empty_tree(matte_scene)
     node = tree.nodes.new("CompositorNodeCryptomatteV2")
     node.source, node.scene, node.layer_name = "RENDER", matte_scene, "ViewLayer.CryptoObject"
     node.matte_id = "Cube,Ball ü"
@@ -175,13 +174,3 @@ def test_a_kept_film_has_its_mattes(cube_scene, tmp_path):
     assert all(letters[name] == "rgba" and layers[name].shape[2] == 4 for name in names)
     (film,) = films.values()
     assert film.layers["crypto_object"].shape[2] == 8
-
-
-def _tree(scene):
-    if IS_5:
-        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
-        scene.compositing_node_group = tree
-        return tree
-    scene.use_nodes = True
-    scene.node_tree.nodes.clear()
-    return scene.node_tree

@@ -9,6 +9,7 @@ from iwis.core.lamps import MESH
 from iwis.iwis_addon.export import export_scene
 from iwis.iwis_addon.job import RenderJob
 from iwis.operators.save_film import film_layers
+from support.compositor import sockets_by_engine
 from support.cycles_render import use_cycles
 from support.iwis_render import render_iwis
 from support.material_builds import Build
@@ -106,17 +107,11 @@ def test_groups_are_those_of_cycles(lit_scene, tmp_path, transparent):
 
 def test_sockets_are_those_of_cycles(cube_scene):
     """One for each group of the layer, under its name."""
-    layer = cube_scene.view_layers[0]
     for name in ("Key", "Füll light"):
         bpy.ops.scene.view_layer_add_lightgroup(name=name)
-    tree = _tree(cube_scene)
-    node, found = tree.nodes.new("CompositorNodeRLayers"), {}
-    for engine in ("CYCLES", "IWIS"):
-        cube_scene.render.engine = engine
-        layer.update_render_passes()
-        names = {output.name for output in node.outputs if output.enabled}
-        found[engine] = {name for name in names if name.startswith("Combined")}
-    assert found["IWIS"] == found["CYCLES"] == {"Combined_Key", "Combined_Füll light"}
+    for sockets in sockets_by_engine(cube_scene).values():
+        groups = {name for name in sockets if name.startswith("Combined")}
+        assert groups == {"Combined_Key", "Combined_Füll light"}
 
 
 def test_a_kept_film_has_its_groups(cube_scene, tmp_path):
@@ -144,13 +139,3 @@ def test_what_is_exported(lit_scene):
     assert sorted(lamps.group[lamps.kind != MESH].tolist()) == [-1, -1, 1, 1, 1]
     assert sorted(lamps.group[lamps.kind == MESH].tolist()) == [2, 3]
     assert [(groups.objects == number).sum() for number in (0, 1, 2, 3)] == [0, 0, 1, 1]
-
-
-def _tree(scene):
-    if bpy.app.version >= (5, 0, 0):
-        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
-        scene.compositing_node_group = tree
-        return tree
-    scene.use_nodes = True
-    scene.node_tree.nodes.clear()
-    return scene.node_tree
