@@ -11,7 +11,8 @@ In the order of the data; a module imports only from groups with a smaller numbe
     perlin, texels, element_places
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
-    glossy_normal, lamp_shapes, lamp_choice, emitter_tree, sheen, islands, embree_hits,
+    glossy_normal, lamp_shapes, lamp_choice, lamp_pictures, emitter_tree, sheen, islands,
+    embree_hits,
     bump, stretched, lobes, cell_numbers
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,

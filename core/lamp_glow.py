@@ -9,6 +9,7 @@ import numpy as np
 
 from ._jit import kernel
 from .camera import CameraRays
+from .lamp_pictures import tint_at
 from .lamp_shapes import meet_lamp
 from .lamps import BY_CAMERA, MESH, Lamps
 
@@ -50,8 +51,9 @@ def _add_glow(lamps, origins, directions, reach, far_plane, glow):
             near = far < far_plane[k] or far == np.inf
             if factor > 0.0 and near and (far < reach[k] or reach[k] == np.inf):
                 column = 3 + 3 * lamps.group[i]
+                tints = tint_at(lamps, i, px, py, pz, x, y, z, far)
                 for a in range(3):
-                    light = np.float32(np.float64(lamps.radiance[i, a]) * factor)
+                    light = np.float32(np.float64(lamps.radiance[i, a]) * factor * tints[a])
                     glow[k, a] += light
                     if 3 <= column < glow.shape[1]:
                         glow[k, column + a] += light

@@ -19,6 +19,7 @@ from ._jit import kernel
 from .accel import Accel, start_shadow_ray
 from .brdf import eval_at, pdf_narrowest_at, sample_narrowest_at
 from .lamp_choice import ALL_LAMPS, CHOSEN_LAMPS, powers_of, share_out
+from .lamp_pictures import tint_at
 from .lamp_shapes import meet_lamp, sample_lamp
 from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, Lamps
 from .lobes import DIFFUSE_LOBE, Lobes
@@ -68,6 +69,11 @@ class LampSamples(NamedTuple):
 
 
 @kernel(forceinline=True)
+def _float64(vectors, p):
+    return np.float64(vectors[p, 0]), np.float64(vectors[p, 1]), np.float64(vectors[p, 2])
+
+
+@kernel(forceinline=True)
 def _aim(points, p, target, far, lifted, offset, rays, n):
     """Write ray n from point p along the unit vector ``target`` to a lamp ``far`` away."""
     wx, wy, wz = target
@@ -107,6 +113,9 @@ def _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays,
             return n
         own = lamps.faces.radiance
         r, g, b = own[face, 0], own[face, 1], own[face, 2]
+    elif lamps.picture[i, 1] > 0:
+        tints = tint_at(lamps, i, *_float64(points.position, p), wi[0], wi[1], wi[2], far)
+        r, g, b = np.float32(r * tints[0]), np.float32(g * tints[1]), np.float32(b * tints[2])
     total = (dr * r + dg * g + db * b) * diffuse + (gr * r + gg * g + gb * b) * glossy
     if not 0.0 < total < np.inf:
         return n
@@ -160,11 +169,6 @@ def _to_lamp(at, points, p, lamps, i, share, follows, a, b, offset, rays, n, sum
     lifted = below > 0.0 and above < below + below
     wi = dx, dy, dz
     return _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays, n, sums)
-
-
-@kernel(forceinline=True)
-def _float64(vectors, p):
-    return np.float64(vectors[p, 0]), np.float64(vectors[p, 1]), np.float64(vectors[p, 2])
 
 
 @kernel(forceinline=True)

@@ -16,6 +16,8 @@ SUN, SPHERE, DISC, RECTANGLE, ELLIPSE, MESH, BEAM, ROUND_BEAM = range(8)
 # Lamps.seen_by
 BY_DIFFUSE, BY_GLOSSY, BY_CAMERA = 1, 2, 4
 EVERYWHERE = np.float32(-2.0)  # Lamps.cone of what is no spot
+# Cosine of half the angle of the widest spot that has its picture on a plane (lamp_pictures.py).
+PLANE_EDGE = 0.2
 BLOCK = 4  # faces of a MESH that have a box around them
 
 
@@ -83,7 +85,9 @@ class Lamps(NamedTuple):
     link: int32 (n,), row of Scene.lamp_links, -1 = it is about all objects
     group: int32 (n,), of AskedPasses.groups, -1 = none
     span: int32 (n, 3), first row of a MESH in faces, the row after its last, the root of its tree
+    picture: int32 (n, 3), first row in texels, width, height (0, 0: none), see lamp_pictures.py
     faces: of all, with the radiance of each
+    texels: float32 (m, 3), of all pictures, row by row from the bottom; their mean luminance is 1
     """
 
     kind: np.ndarray
@@ -101,12 +105,14 @@ class Lamps(NamedTuple):
     link: np.ndarray
     group: np.ndarray
     span: np.ndarray
+    picture: np.ndarray
     faces: LampFaces
+    texels: np.ndarray
 
     def at(self, which) -> Lamps:
         """Those of a slice, of indices or of a mask."""
-        columns = (np.ascontiguousarray(column[which]) for column in self[:-1])
-        return Lamps(*columns, self.faces)
+        columns = (np.ascontiguousarray(column[which]) for column in self[:-2])
+        return Lamps(*columns, self.faces, self.texels)
 
 
 _SHAPES = {
@@ -130,8 +136,8 @@ def make_lamps(rows: list[dict], faces: LampFaces = NO_FACES) -> Lamps:
     columns = {name: np.zeros((n, *shape), np.float32) for name, shape in _SHAPES.items()}
     columns |= {"kind": np.zeros(n, np.int8), "shadow": np.ones(n, np.bool_)}
     columns |= {name: np.full(n, -1, np.int32) for name in ("link", "group")}
-    columns["span"] = np.zeros((n, 3), np.int32)
-    columns["faces"] = faces
+    columns |= {name: np.zeros((n, 3), np.int32) for name in ("span", "picture")}
+    columns |= {"faces": faces, "texels": np.zeros((0, 3), np.float32)}
     columns["seen_by"] = np.full(n, BY_DIFFUSE | BY_GLOSSY, np.int8)
     columns["cone"][:, 0], columns["spread"][:, 0] = EVERYWHERE, np.inf
     columns["forward"][:, 2], columns["right"][:, 0], columns["up"][:, 1] = -1.0, 1.0, 1.0

@@ -7,6 +7,7 @@ coordinates, images, arithmetic, color, normals, noise, voronoi, patterns, eleme
 evaluate     a program's operations in their order
 world        what a node may ask of a direction that meets nothing
 world_map    a world's program over all directions
+lamp_map     a lamp's program over the lamp
 """
 
 from .context import ShadeContext

@@ -10,7 +10,7 @@ from ..panorama_places import space_axes
 from ..program import SurfaceData
 from ..rows import any_in_row, rows_of
 from ..scene import Camera, TriangleMesh
-from .values import as_vector, dot, normalized
+from .values import as_vector, dot, normalized, vector
 
 
 def barycentric_of(mesh: TriangleMesh, triangle, position) -> np.ndarray:
@@ -184,6 +184,14 @@ class ShadeContext:
     def generated(self) -> np.ndarray:
         value = self.attribute("generated")
         return self.object_position if value is None else value
+
+    @property
+    def parametric(self) -> np.ndarray:
+        """float32 (n, 3): Cycles' own weights of a triangle's first and second corner, and 0."""
+        u, v = self.barycentric[:, 0], self.barycentric[:, 1]
+        flipped = self.surface.mirrored[self.object]
+        u, v = np.where(flipped, v, u), np.where(flipped, u, v)
+        return vector(1.0 - u - v, u, 0.0 * u)
 
     @cached_property
     def camera_position(self) -> np.ndarray:

@@ -160,20 +160,12 @@ def geometry(context, settings, inputs):
         "True Normal": lambda: context.geometric_normal,
         "Incoming": lambda: context.wo,
         "Backfacing": lambda: context.backfacing,
-        "Parametric": lambda: _parametric(context),
+        "Parametric": lambda: context.parametric,
         "Tangent": lambda: _default_tangent(context),
         "Pointiness": lambda: element_number(context, "Pointiness"),
         "Random Per Island": lambda: element_number(context, "Random Per Island"),
     }
     return {name: values[name]() for name in settings["outputs"]}
-
-
-def _parametric(context):
-    """Cycles' own weights of a triangle's first and second corner."""
-    u, v = context.barycentric[:, 0], context.barycentric[:, 1]
-    flipped = context.surface.mirrored[context.object]
-    u, v = np.where(flipped, v, u), np.where(flipped, u, v)
-    return vector(1.0 - u - v, u, 0.0 * u)
 
 
 def _default_tangent(context):

@@ -5,7 +5,7 @@ local_mesh, instances, mesh  evaluated meshes, where they stand, one table of tr
 parts, point_..., strand..., hair_curves, particle_hair, element_values
                              points and strands: spheres and tubes, and what nodes ask of them
 camera, panorama, lamps,     the other parts of a Scene
-world
+lamp_nodes, lamp_pictures, world
 motion, object_motion        camera and objects at other times, where the shutter is open
 material, shader_reader      shader nodes to rows of materials, and to closures of programs
 program_builder, ..._nodes, ..._images, surface_data
@@ -31,6 +31,7 @@ from .aovs import AovExport, export_aovs
 from .asked import read_asked
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
+from .lamp_pictures import with_pictures
 from .light_groups import rows_of
 from .live import LiveExport
 from .material import MaterialExport, export_shaders
@@ -130,7 +131,10 @@ def _with_lamps(scene: Scene, geometry: MeshExport, warnings: list[str]) -> Scen
     inventory, emission = geometry.inventory, scene.materials.emission
     every = [look.asked for look in inventory.looks]
     own = inventory.links.rows_of(every), rows_of(every, inventory.groups)
-    lamps = with_emitters(inventory.lamps, scene.mesh, emission, scene, turned, *own)
+    rows, texels = with_pictures(inventory.lamps, scene.camera)
+    lamps = with_emitters(rows, scene.mesh, emission, scene, turned, *own)
+    if len(texels):
+        lamps = lamps._replace(texels=texels)
     for k in turned:
         if k < len(geometry.materials) and geometry.materials[k] is not None:
             reader = NodeReader(geometry.materials[k].name, geometry.material_users[k], warnings)

@@ -25,6 +25,7 @@ from .object_flags import flags_of
 from .object_properties import Asked, asks_instancers, outermost_index
 from .particle_hair import hair_modifiers
 from .parts import WITH_SURFACE, PartReader
+from .program_images import ImageStore
 
 _WORD = 0xFFFFFFFF
 _NO_SHADING_OFFSET = (
@@ -114,7 +115,7 @@ class _Item(NamedTuple):
 class _Collector:
     """Turns depsgraph items into an Inventory while they are alive."""
 
-    def __init__(self, depsgraph, known, cancelled, live):
+    def __init__(self, depsgraph, known, cancelled, live, texels):
         self._depsgraph = depsgraph
         self._cancelled = cancelled
         self._reader = PartReader(depsgraph, known, cancelled, live)
@@ -129,6 +130,7 @@ class _Collector:
         groups = group_numbers(layer[0]) if live is None else {}
         self.inventory = Inventory([], [], [], [], [], [], LampLinks(depsgraph), groups, layer)
         self.ignored, self.lamp_warnings = LeftOut(), []
+        self._images = ImageStore(texels)  # that lights show
 
     def _material_row(self, material) -> int:
         key = 0 if material is None else material.original.as_pointer()
@@ -255,7 +257,7 @@ class _Collector:
         if kind in WITH_SURFACE:
             self._add(item, obj)
         elif kind == "LIGHT":
-            lamp = read_lamp(obj, item.matrix_world, self.lamp_warnings)
+            lamp = read_lamp(obj, item.matrix_world, self.lamp_warnings, self._images)
             if lamp is not None:
                 lamp["link"] = self.inventory.links.row_of(obj)
                 asked = Asked(obj, item.parent if item.is_instance else None)
@@ -273,15 +275,17 @@ def collect_instances(
     cancelled=lambda: False,
     live: LiveMeshes | None = None,
     shown=None,
+    texels=None,
 ) -> Inventory:
     """All that a render of the graph shows, copied out of Blender.
 
     warnings: gets one line for each reason to leave objects out, with their names
     known: as for read_mesh; live: meshes that need not be read, in a window
     shown(item): whether a window shows one of depsgraph.object_instances; None: all
+    texels: the TexelCache of the job
     Raises ExportCancelled as soon as cancelled() says so.
     """
-    collector = _Collector(depsgraph, known, cancelled, live)
+    collector = _Collector(depsgraph, known, cancelled, live, texels)
     for number, item in enumerate(depsgraph.object_instances):
         if number % 256 == 0 and cancelled():
             raise ExportCancelled

@@ -25,55 +25,38 @@ from ...core.lamps import (
     SPHERE,
     SUN,
 )
-from .node_values import NodeReader, follow
+from ...core.nodes.typical import mean_value
+from .lamp_nodes import LampLight, LampReader, read_light
+from .lamp_pictures import places_of
+from .program_images import ImageStore
+from .surface_parts import is_constant
 
 _STEEPEST = 1e30  # of a spot's edge: float32 has no infinity that times zero is zero
 
 
-class _LampNodes(NodeReader):
-    """Reads what a light's own nodes multiply its strength by."""
-
-    def __init__(self, object_name: str, light_name: str, warnings: list[str]):
-        super().__init__("", [], warnings)
-        self._where = f'object "{object_name}", light "{light_name}"'
-
-    def factor(self, tree) -> np.ndarray:
-        """float64 (3,). What varies over the lamp or with distance gets a warning."""
-        output = next((n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputLight"), None)
-        end = None if output is None else follow(output.inputs["Surface"])
-        if end is None or end.node is None:
-            self.warn(output, "nothing is linked to the Surface of the Light Output: it is dark")
-            return np.zeros(3)
-        if end.node.bl_idname != "ShaderNodeEmission":
-            self.warn(end.node, "only Emission is supported in a light: it shines as without nodes")
-            return np.ones(3)
-        return np.array(self.color(end.node, "Color", end.groups)) * self._strength(end)
-
-    def _strength(self, emission) -> float:
-        end = follow(emission.node.inputs["Strength"], emission.groups)
-        falloff = end.node is not None and end.node.bl_idname == "ShaderNodeLightFalloff"
-        if falloff and end.socket.name == "Quadratic":
-            if self.number(end.node, "Smooth", end.groups):
-                self.warn(end.node, "Smooth is not supported in a light: it is left out")
-            return self.number(end.node, "Strength", end.groups)
-        return self.number(emission.node, "Strength", emission.groups)
-
-
-def read_lamp(obj, matrix_world, warnings: list[str]) -> dict | None:
+def read_lamp(obj, matrix_world, warnings: list[str], images=None) -> dict | None:
     """A row for core.lamps.make_lamps of an evaluated light object; None: it gives no light.
 
+    Where the light's nodes vary over it, the row has them for with_pictures.
     matrix_world: of the instance; warnings: get what is not as in Cycles, by object and light
+    images: the ImageStore of what its nodes show
     """
     light, matrix = obj.data, np.array(matrix_world, np.float64)
     if light.type == "AREA" and _cycles(light, "is_portal", False):
         return None  # a portal shows Cycles where the world is
-    nodes = _LampNodes(obj.name, light.name, warnings)
+    nodes, varying = LampReader(obj.name, light.name, warnings), None
     strength = np.array(light.color, np.float64) * light.energy * 2.0**light.exposure
     if light.use_temperature:
         strength *= np.array(light.temperature_color)
     # Blender 5 always uses nodes and warns who asks.
     if light.node_tree is not None and (bpy.app.version >= (5, 0) or light.use_nodes):
-        strength *= nodes.factor(light.node_tree)
+        own = read_light(light.node_tree, nodes, images or ImageStore())
+        if own is None:
+            return None
+        if is_constant(own.value):
+            strength *= own.value
+        else:
+            varying = own
     if not (np.isfinite(strength).all() and np.isfinite(matrix).all()):
         nodes.warn(None, "its strength or transform is not finite: it is left out")
         return None
@@ -83,12 +66,23 @@ def read_lamp(obj, matrix_world, warnings: list[str]) -> dict | None:
     row = _ROWS[light.type](light, matrix, strength)
     if row is None or not strength.any():
         return None
+    if varying is not None:
+        row |= _varying(light, row, matrix, varying, nodes)
     seen_by = BY_DIFFUSE * obj.visible_diffuse | BY_GLOSSY * obj.visible_glossy
     seen_by |= BY_CAMERA * obj.visible_camera
     frame = {"position": matrix[:3, 3], "seen_by": seen_by, "shadow": light.use_shadow}
     for name, column in (("right", matrix[:3, 0]), ("up", matrix[:3, 1])):
         frame[name] = _unit(column)
     return {"forward": _unit(-matrix[:3, 2])} | frame | row
+
+
+def _varying(light, row, matrix, own: LampLight, nodes) -> dict:
+    """What a row has of a light whose nodes vary over it."""
+    places = places_of(light, row["kind"], matrix)
+    if places is not None:
+        return {"light": own, "places": places}
+    nodes.warn(None, "its nodes vary with the direction, which a sun or a beam has one of: mean")
+    return {"radiance": row["radiance"] * mean_value(own.program, own.value)}
 
 
 def _cycles(light, name, otherwise):

@@ -163,9 +163,11 @@ def export_mesh(
     cache: the same object for every frame of an animation; unchanged geometry is then reused
     Raises ExportError if there is too much, ExportCancelled as soon as cancelled() says so.
     """
-    cached = (None,) * 3 if cache is None else (cache.parts, cache.live, cache.shown)
-    known, live, shown = cached
-    inventory = collect_instances(depsgraph, warnings, known, cancelled, live, shown)
+    cached = (None,) * 4
+    if cache is not None:
+        cached = cache.parts, cache.live, cache.shown, cache.texels
+    known, *cached = cached
+    inventory = collect_instances(depsgraph, warnings, known, cancelled, *cached)
     parts, instances = inventory.parts, inventory.instances
     pass_index = np.array([instance.pass_index for instance in instances], np.float32)
     lift = np.array([instance.terminator_offset for instance in instances], np.float32)

@@ -133,22 +133,91 @@ def test_nodes_of_a_lamp_multiply_its_strength(scene):
     assert not any("Lamp" in line for line in warnings)
 
 
+def _dress(obj, kind="ShaderNodeTexNoise", output="Color"):
+    """Have a light's colour come from a new node."""
+    tree, emission = nodes_of(obj)
+    node = tree.nodes.new(kind)
+    tree.links.new(node.outputs[output], emission.inputs["Color"])
+    return node
+
+
+@pytest.mark.parametrize("kind", ["AREA", "POINT", "SPOT"])
+def test_nodes_that_vary_are_a_picture(scene, kind):
+    """Its mean luminance is 1 and a part of the radiance; a lamp without nodes has none."""
+    obj = add_light(kind, energy=5.0)
+    plain, _ = exported()
+    assert not plain["picture"].any()
+    _dress(obj, "ShaderNodeTexCoord", "UV")
+    lines = []
+    lamps = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines).lamps
+    first, width, height = lamps.picture[0]
+    assert first == 0 and len(lamps.texels) == width * height > 0
+    luminance = lamps.texels @ np.float32([0.2126, 0.7152, 0.0722])
+    assert luminance.mean() == pytest.approx(1.0, rel=1e-4) and luminance.std() > 0.01
+    # Red and green rise from 0 to 1; a spot's and an area's in even steps, blue is 0.
+    np.testing.assert_allclose(
+        lamps.radiance[0] / plain["radiance"], 0.5 * (0.2126 + 0.7152), rtol=1e-3
+    )
+    assert not any("Lamp" in line for line in lines)
+
+
+def test_copies_of_a_lamp_have_a_picture_each(scene):
+    """For nodes may ask where they are."""
+    for x in (10.0, 20.0):
+        obj = add_light("AREA", f"Lamp {x}", energy=5.0)
+        obj.location.x = x
+        _dress(obj, "ShaderNodeNewGeometry", "Position")
+    lamps = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=[]).lamps
+    assert lamps.picture[1, 0] == lamps.picture[0, 1] * lamps.picture[0, 2]
+    red = [part.mean() for part in np.split(lamps.texels[:, 0], 2)] * lamps.radiance[:, 0]
+    assert red[1] == pytest.approx(2.0 * red[0], rel=1e-3)
+
+
+def test_a_black_picture_is_no_lamp(scene):
+    """As one of no strength."""
+    obj = add_light("AREA", energy=5.0)
+    _dress(obj)
+    _, emission = nodes_of(obj)
+    emission.inputs["Strength"].default_value = 0.0
+    row, warnings = exported()
+    assert row is None and not any("Lamp" in line for line in warnings)
+
+
+def test_an_image_that_is_missing_is_told(scene):
+    """Pink, as in Cycles."""
+    node = _dress(add_light("AREA", energy=5.0), "ShaderNodeTexImage")
+    node.image = bpy.data.images.new("Gone", 4, 4)
+    node.image.source, node.image.filepath = "FILE", "//not-there.png"
+    lines = []
+    lamps = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines).lamps
+    assert len(lamps.kind) == 1
+    assert any('object "Lamp", light "Lamp data"' in line and "Gone" in line for line in lines)
+
+
 def test_what_a_lamp_cannot_do_is_told(scene):
-    """Textured, negative: by object and light."""
+    """Textured suns, falloff that is not quadratic, negative: by object and light."""
     obj = add_light("POINT", energy=-5.0)
     row, warnings = exported()
     assert row is None and any('"Lamp", light "Lamp data": negative' in line for line in warnings)
     obj.data.energy = 5.0
     tree, emission = nodes_of(obj)
-    noise = tree.nodes.new("ShaderNodeTexNoise")
-    tree.links.new(noise.outputs["Color"], emission.inputs["Color"])
+    falloff = tree.nodes.new("ShaderNodeLightFalloff")
+    tree.links.new(falloff.outputs["Linear"], emission.inputs["Strength"])
     row, warnings = exported()
     told = [line for line in warnings if line.startswith('object "Lamp", light "Lamp data"')]
     assert row is not None and len(told) == 1
-    assert any("Noise" in line for line in told)
+    assert "Linear falloff is not supported" in told[0]
     tree.links.clear()
     row, warnings = exported()
     assert row is None and any("nothing is linked" in line for line in warnings)
+
+
+def test_a_sun_with_nodes_shines_with_their_mean(scene):
+    """And says so."""
+    _dress(add_light("SUN", energy=5.0))
+    row, warnings = exported()
+    assert not row["picture"].any() and 1.0 < row["radiance"].max() < 5e6
+    assert any("mean" in line and '"Lamp data"' in line for line in warnings)
 
 
 @pytest.mark.parametrize("kind", ["no energy", "no size", "portal"])

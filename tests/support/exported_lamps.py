@@ -12,4 +12,5 @@ def exported():
     if not len(scene.lamps.kind):
         return None, lines
     assert len(scene.lamps.kind) == 1
-    return {name: value[0] for name, value in scene.lamps._asdict().items()}, lines
+    own = {name: value for name, value in scene.lamps._asdict().items() if name != "texels"}
+    return {name: value[0] for name, value in own.items()}, lines

@@ -1,0 +1,156 @@
+"""A lamp's program over its UV map: the texels of its picture (lamp_pictures.py has the map).
+
+As Cycles has it, a lamp's point is where its light leaves; its normal is the way it shines from
+there, and so, here, is the way to what it lights; its UV map is its parametric one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..program import Program, SurfaceData, Value
+from ..scene import Camera
+from .context import ShadeContext
+from .evaluate import Evaluation
+
+_BLOCK = 1 << 15  # points at once
+
+
+class LampPlaces(NamedTuple):
+    """Where a lamp's light leaves.
+
+    to_world: float64 (4, 4), of its object; width, height: of an area, metres of object space;
+        0 = it is none
+    radius: of a point or spot, metres of the world, 0 where each direction is its own place
+    slope: tangent of half the angle of a spot; 0 = it is none
+    flat: whether its picture is on an area, or on a plane across a spot's axis, and not on a sphere
+    """
+
+    to_world: np.ndarray
+    width: float = 0.0
+    height: float = 0.0
+    radius: float = 0.0
+    slope: float = 0.0
+    flat: bool = False
+
+    def at(self, u, v) -> tuple[np.ndarray, np.ndarray]:
+        """(places, the way they shine), of object space but a radius, float32 (n, 3) each."""
+        if self.width > 0.0:
+            flat = np.zeros_like(u)
+            places = np.column_stack([(u - 0.5) * self.width, (v - 0.5) * self.height, flat])
+            return places, np.broadcast_to(np.float32([0.0, 0.0, -1.0]), places.shape)
+        if self.flat:
+            across = 2.0 * self.slope
+            way = np.column_stack([(u - 0.5) * across, (v - 0.5) * across, -np.ones_like(u)])
+        else:
+            longitude, height = (1.0 - 2.0 * u) * np.pi, -np.cos(v * np.pi)
+            level = np.sin(v * np.pi)
+            way = np.column_stack([level * np.sin(longitude), level * np.cos(longitude), height])
+        way /= np.linalg.norm(way, axis=1)[:, None]
+        return np.zeros_like(way), way
+
+    def uv(self, u, v, way) -> np.ndarray:
+        """float32 (n, 3): what nodes have for UV, of places on a picture and the way from them."""
+        if self.slope > 0.0 and not self.flat:
+            depth = 2.0 * self.slope * np.maximum(-way[:, 2], 1e-6)
+            u, v = 0.5 + way[:, 0] / depth, 0.5 + way[:, 1] / depth
+        return np.column_stack([u, v, np.zeros_like(u)]).astype(np.float32)
+
+
+class _LampContext(ShadeContext):
+    """n places of a lamp."""
+
+    def __init__(self, lamp: LampPlaces, camera: Camera, u, v):
+        places, way = lamp.at(u, v)
+        matrix = lamp.to_world
+        world = places @ matrix[:3, :3].T + matrix[:3, 3]
+        turned = np.linalg.pinv(matrix[:3, :3])
+        if lamp.width > 0.0:
+            normal = way @ turned
+        else:
+            axes = matrix[:3, :3] if lamp.flat else _unit_columns(matrix[:3, :3])
+            normal = way @ axes.T
+        normal = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-30)[:, None]
+        if lamp.radius > 0.0:
+            world += lamp.radius * normal
+            places = (world - matrix[:3, 3]) @ turned.T
+        none = np.zeros(len(u), np.int32)
+        self.mesh, self.camera, self.shadow, self._distance = None, camera, False, None
+        self.surface = SurfaceData(
+            row=none,
+            object_to_world=matrix[None],
+            mirrored=np.zeros(1, np.bool_),
+            color=np.ones((1, 4), np.float32),
+            random=np.zeros(1, np.float32),
+            pass_index=np.zeros(1, np.float32),
+        )
+        self.triangle = none
+        self.position = world.astype(np.float32)
+        self.normal = self.geometric_normal = self.wo = normal.astype(np.float32)
+        self._local, self._way = places.astype(np.float32), way.astype(np.float32)
+        self._uv = lamp.uv(u, v, way)
+
+    camera_ray = False  # its light is asked for, not it itself
+
+    @property
+    def object(self):
+        """All are of the lamp."""
+        return self.triangle
+
+    @property
+    def material_index(self):
+        """float32 (n,): a lamp has no material."""
+        return np.zeros(len(self), np.float32)
+
+    @property
+    def generated(self):
+        """float32 (n, 3): in the lamp's own space."""
+        return self._local
+
+    object_position = generated
+
+    @property
+    def parametric(self):
+        """float32 (n, 3)."""
+        return self._uv
+
+    @property
+    def backfacing(self):
+        """float32 (n,): nothing sees a lamp's back."""
+        return np.zeros(len(self), np.float32)
+
+    def uv(self, name: str = "") -> np.ndarray:
+        """float32 (n, 3): whatever its name, the lamp's own."""
+        return self._uv
+
+    def attribute(self, name):
+        """A lamp has none."""
+        return None
+
+    def normal_to_object(self, vectors):
+        """float32 (n, 3): the way in the lamp's space, of its normal."""
+        return self._way if vectors is self.normal else super().normal_to_object(vectors)
+
+
+def _unit_columns(matrix) -> np.ndarray:
+    return matrix / np.maximum(np.linalg.norm(matrix, axis=0), 1e-30)
+
+
+def lamp_picture(
+    program: Program, value: Value, lamp: LampPlaces, camera: Camera, width: int, height: int
+) -> np.ndarray:
+    """float32 (height, width, 3): a colour of the program, row 0 at the bottom; none is negative.
+
+    camera: what nodes ask of the view is of its place
+    """
+    rows, found = max(_BLOCK // width, 1), []
+    for first in range(0, height, rows):
+        last = min(first + rows, height)
+        v, u = np.meshgrid(
+            (np.arange(first, last) + 0.5) / height, (np.arange(width) + 0.5) / width, indexing="ij"
+        )
+        context = _LampContext(lamp, camera, u.ravel(), v.ravel())
+        found.append(Evaluation(program, context).vector(value))
+    return np.maximum(np.concatenate(found), 0.0).reshape(height, width, 3)

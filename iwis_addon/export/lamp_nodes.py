@@ -1,0 +1,65 @@
+"""What a light's own nodes multiply its strength by: a colour, or what varies over the lamp."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...core.program import Program, Value
+from .node_values import NodeReader, follow
+from .program_builder import ProgramBuilder
+
+_WHITE = np.ones(3, np.float32)
+
+
+class LampLight(NamedTuple):
+    """A colour of a program, as Program has them."""
+
+    program: Program
+    value: Value
+
+
+class LampReader(NodeReader):
+    """The warnings of one light."""
+
+    def __init__(self, object_name: str, light_name: str, warnings: list[str]):
+        super().__init__("", [], warnings)
+        self._where = f'object "{object_name}", light "{light_name}"'
+
+
+class _LampBuilder(ProgramBuilder):
+    """The operations of one light's tree."""
+
+    def _made(self, node, groups):
+        """See ProgramBuilder."""
+        if node.bl_idname == "ShaderNodeLightFalloff":
+            return self._falloff(node, groups)
+        return super()._made(node, groups)
+
+    def _falloff(self, node, groups):
+        """Light falls off by the square of the distance as it is."""
+        if self.number(node, "Smooth", groups):
+            self.reader.warn(node, "Smooth is not supported in a light: it is left out")
+        for output in node.outputs:
+            if output.is_linked and output.identifier != "Quadratic":
+                told = f"{output.name} falloff is not supported in a light: it is quadratic"
+                self.reader.warn(node, told)
+        strength = self.number(node, "Strength", groups)
+        return {output.identifier: strength for output in node.outputs}
+
+
+def read_light(tree, reader: LampReader, images) -> LampLight | None:
+    """What a tree's Light Output gets; None: it is dark. images: an ImageStore"""
+    output = next((n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputLight"), None)
+    end = None if output is None else follow(output.inputs["Surface"])
+    if end is None or end.node is None:
+        reader.warn(output, "nothing is linked to the Surface of the Light Output: it is dark")
+        return None
+    builder = _LampBuilder(reader, images)
+    if end.node.bl_idname != "ShaderNodeEmission":
+        reader.warn(end.node, "only Emission is supported in a light: it shines as without nodes")
+        return LampLight(Program(ops=(), closures=()), _WHITE)
+    color = builder.color(end.node, "Color", end.groups)
+    value = builder.scaled(color, builder.number(end.node, "Strength", end.groups))
+    return LampLight(Program(ops=builder.ops, closures=()), value)

@@ -1,0 +1,94 @@
+"""Lamps whose nodes vary over them: softboxes, gobos, what is seen of them."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+
+from .cases import lit_by
+from .lamp_cases import ABOVE, SIDE, add_lamp, matte, shiny
+from .lit_cases import image_of
+from .scene import Tree
+
+_CAMERA, _BESIDE = (0.3, -6.0, 1.6), (0.2, 0.5, 1.1)
+
+
+def _dressed(lamp, color):
+    """Have a light shine with a colour that color(tree) makes."""
+    if bpy.app.version < (5, 0):
+        lamp.use_nodes = True
+    tree = Tree(lamp.node_tree, "ShaderNodeOutputLight")
+    tree.surface(tree.made("ShaderNodeEmission", 0, {"Color": color(tree), "Strength": 1.5}))
+
+
+def _case(name, color, kind, location, make=matte, seen=False, **options):
+    def build(scene, tree):
+        target = {"target": _CAMERA} if seen else {}
+        _dressed(add_lamp(scene, kind, location, visible_camera=seen, **target, **options), color)
+        tree.surface(make(tree))
+
+    lit_by(f"Lamp's nodes: {name}", build, world=seen, blurred=seen)
+
+
+def _of(kind, output, inputs=None, scale=1.0, **properties):
+    """A texture of the default coordinates, or of those that inputs names."""
+
+    def color(tree):
+        vector = {} if inputs is None else {"Vector": tree.coordinates(inputs)}
+        return tree.made(kind, output, vector | {"Scale": scale}, **properties)
+
+    return color
+
+
+def _place(kind, output):
+    """A coordinate as a colour: of 2 m and more none is negative."""
+
+    def color(tree):
+        place = tree.made(kind, output)
+        half = {0: place, 1: (0.15, 0.15, 0.15), 2: (0.5, 0.5, 0.5)}
+        node = tree.node("ShaderNodeVectorMath", operation="MULTIPLY_ADD")
+        for key, value in half.items():
+            tree.link(value, node.inputs[key])
+        return node.outputs[0]
+
+    return color
+
+
+def _rim(tree):
+    """A softbox: bright in the middle of the lamp's own map."""
+    place = tree.made("ShaderNodeMapping", 0, {"Vector": tree.coordinates("UV")})
+    mapping = place.node
+    mapping.inputs["Location"].default_value = (-1.0, -1.0, 0.0)
+    mapping.inputs["Scale"].default_value = (2.0, 2.0, 0.0)
+    gradient = tree.node("ShaderNodeTexGradient", gradient_type="SPHERICAL")
+    tree.link(place, gradient.inputs[0])
+    return gradient.outputs["Color"]
+
+
+_NOISE = _of("ShaderNodeTexNoise", "Color", scale=4.0)
+_CHECKER = _of("ShaderNodeTexChecker", "Color", "UV", scale=4.0)
+_AREA = {"energy": 200.0, "shape": "RECTANGLE", "size": 2.0, "size_y": 1.2}
+_DISK = {"energy": 200.0, "shape": "DISK", "size": 1.6}
+_SPOT = {"energy": 600.0, "spot_size": math.radians(40.0), "shadow_soft_size": 0.0}
+_BALL = {"energy": 300.0, "shadow_soft_size": 0.4, "use_soft_falloff": False}
+_SOFT = {"energy": 300.0, "shadow_soft_size": 0.4, "use_soft_falloff": True}
+
+_case("softbox", _rim, "AREA", ABOVE, **_AREA)
+_case("softbox in gloss", _rim, "AREA", SIDE, shiny(0.15, Metallic=1.0), **_AREA)
+_case("softbox in a mirror", _rim, "AREA", SIDE, shiny(0.0, Metallic=1.0), **_AREA)
+_case("area, image", image_of, "AREA", ABOVE, **_AREA)
+_case("area near, soft", _rim, "AREA", (0.2, -0.6, 0.4), **_AREA | {"size": 0.6})
+_case("area, noise, scaled", _NOISE, "AREA", ABOVE, scale=(1.5, 0.6, 1.0), **_AREA)
+_case("disk, checker, spread", _CHECKER, "AREA", ABOVE, spread=math.radians(80.0), **_DISK)
+_case("area, position", _place("ShaderNodeNewGeometry", "Position"), "AREA", SIDE, **_AREA)
+_case("spot, checker", _CHECKER, "SPOT", ABOVE, **_SPOT)
+_case("spot, image, scaled", image_of, "SPOT", ABOVE, scale=(1.5, 0.8, 1.0), **_SPOT)
+_case("spot, wide", _CHECKER, "SPOT", ABOVE, **_SPOT | {"spot_size": math.radians(170.0)})
+_case("ball, normal", _place("ShaderNodeTexCoord", "Normal"), "POINT", SIDE, **_BALL)
+_case("point, image", image_of, "POINT", ABOVE, **_BALL | {"shadow_soft_size": 0.0})
+_case("ball, image", image_of, "POINT", SIDE, shiny(0.1, Metallic=1.0), **_BALL)
+_case("soft ball, normal", _place("ShaderNodeTexCoord", "Normal"), "POINT", SIDE, **_SOFT)
+_case("seen area, image", image_of, "AREA", _BESIDE, seen=True, **_AREA | {"energy": 20.0})
+_case("seen ball, image", image_of, "POINT", _BESIDE, seen=True, **_BALL | {"energy": 30.0})
+_case("seen spot, image", image_of, "SPOT", _BESIDE, seen=True, **_SPOT | {"shadow_soft_size": 0.4})
