@@ -3,7 +3,8 @@
 The map is Cycles': of an area from its lower left corner, seen from its front; of a spot the plane
 across its axis, as far as its cone goes; of points, and of spots too wide for a plane, the sphere
 around them. A lamp with a radius has its picture on its surface; where it has none, or always
-faces whoever looks at it, a direction sees the place that it leaves from.
+faces whoever looks at it, a direction sees the place that it leaves from. What tells by direction,
+as a luminaire's table, is on the sphere of directions, or a spot's plane, whatever the lamp.
 """
 
 from __future__ import annotations
@@ -53,10 +54,11 @@ def _place(lamps, i, px, py, pz, dx, dy, dz, far):
     x = px + dx * far - np.float64(lamps.position[i, 0])
     y = py + dy * far - np.float64(lamps.position[i, 1])
     z = pz + dz * far - np.float64(lamps.position[i, 2])
-    if kind == RECTANGLE or kind == ELLIPSE:
+    by_direction = lamps.picture[i, 3] != 0
+    if (kind == RECTANGLE or kind == ELLIPSE) and not by_direction:
         u = 0.5 + _dot(lamps.right, i, x, y, z) / np.float64(size[i, 0])
         return u, 0.5 + _dot(lamps.up, i, x, y, z) / np.float64(size[i, 1]), False
-    if kind != SPHERE or size[i, 0] == _ZERO:
+    if by_direction or kind != SPHERE or size[i, 0] == _ZERO:
         x, y, z = -dx, -dy, -dz
     if lamps.cone[i, 0] > PLANE_EDGE:
         u, v = _on_plane(lamps, i, x, y, z)

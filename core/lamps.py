@@ -85,7 +85,8 @@ class Lamps(NamedTuple):
     link: int32 (n,), row of Scene.lamp_links, -1 = it is about all objects
     group: int32 (n,), of AskedPasses.groups, -1 = none
     span: int32 (n, 3), first row of a MESH in faces, the row after its last, the root of its tree
-    picture: int32 (n, 3), first row in texels, width, height (0, 0: none), see lamp_pictures.py
+    picture: int32 (n, 4), first row in texels, width, height (0, 0: none), whether it tells by
+        direction; see lamp_pictures.py
     faces: of all, with the radiance of each
     texels: float32 (m, 3), of all pictures, row by row from the bottom; their mean luminance is 1
     """
@@ -136,7 +137,7 @@ def make_lamps(rows: list[dict], faces: LampFaces = NO_FACES) -> Lamps:
     columns = {name: np.zeros((n, *shape), np.float32) for name, shape in _SHAPES.items()}
     columns |= {"kind": np.zeros(n, np.int8), "shadow": np.ones(n, np.bool_)}
     columns |= {name: np.full(n, -1, np.int32) for name in ("link", "group")}
-    columns |= {name: np.zeros((n, 3), np.int32) for name in ("span", "picture")}
+    columns |= {"span": np.zeros((n, 3), np.int32), "picture": np.zeros((n, 4), np.int32)}
     columns |= {"faces": faces, "texels": np.zeros((0, 3), np.float32)}
     columns["seen_by"] = np.full(n, BY_DIFFUSE | BY_GLOSSY, np.int8)
     columns["cone"][:, 0], columns["spread"][:, 0] = EVERYWHERE, np.inf

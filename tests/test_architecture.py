@@ -41,6 +41,7 @@ MAY_IMPORT_OF_CORE = {
         "nodes",
         "nodes/color",
         "nodes/hashing",
+        "nodes/ies",
         "nodes/lamp_map",
         "nodes/typical",
         "nodes/world",

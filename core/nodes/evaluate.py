@@ -11,6 +11,7 @@ from . import (
     color,
     coordinates,
     element_info,
+    ies,
     images,
     layers,
     noise,
@@ -34,6 +35,7 @@ for family in (
     noise,
     voronoi,
     patterns,
+    ies,
     world,
 ):
     FUNCTIONS |= family.FUNCTIONS

@@ -26,6 +26,7 @@ class LampPlaces(NamedTuple):
     radius: of a point or spot, metres of the world, 0 where each direction is its own place
     slope: tangent of half the angle of a spot; 0 = it is none
     flat: whether its picture is on an area, or on a plane across a spot's axis, and not on a sphere
+    by_direction: whether the picture is of directions, all from the lamp's middle
     """
 
     to_world: np.ndarray
@@ -34,10 +35,11 @@ class LampPlaces(NamedTuple):
     radius: float = 0.0
     slope: float = 0.0
     flat: bool = False
+    by_direction: bool = False
 
     def at(self, u, v) -> tuple[np.ndarray, np.ndarray]:
         """(places, the way they shine), of object space but a radius, float32 (n, 3) each."""
-        if self.width > 0.0:
+        if self.width > 0.0 and not self.by_direction:
             flat = np.zeros_like(u)
             places = np.column_stack([(u - 0.5) * self.width, (v - 0.5) * self.height, flat])
             return places, np.broadcast_to(np.float32([0.0, 0.0, -1.0]), places.shape)
@@ -67,13 +69,13 @@ class _LampContext(ShadeContext):
         matrix = lamp.to_world
         world = places @ matrix[:3, :3].T + matrix[:3, 3]
         turned = np.linalg.pinv(matrix[:3, :3])
-        if lamp.width > 0.0:
+        if lamp.width > 0.0 and not lamp.by_direction:
             normal = way @ turned
         else:
             axes = matrix[:3, :3] if lamp.flat else _unit_columns(matrix[:3, :3])
             normal = way @ axes.T
         normal = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-30)[:, None]
-        if lamp.radius > 0.0:
+        if lamp.radius > 0.0 and not lamp.by_direction:
             world += lamp.radius * normal
             places = (world - matrix[:3, 3]) @ turned.T
         none = np.zeros(len(u), np.int32)

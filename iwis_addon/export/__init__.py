@@ -5,7 +5,7 @@ local_mesh, instances, mesh  evaluated meshes, where they stand, one table of tr
 parts, point_..., strand..., hair_curves, particle_hair, element_values
                              points and strands: spheres and tubes, and what nodes ask of them
 camera, panorama, lamps,     the other parts of a Scene
-lamp_nodes, lamp_pictures, world
+lamp_nodes, lamp_pictures, ies, world
 motion, object_motion        camera and objects at other times, where the shutter is open
 material, shader_reader      shader nodes to rows of materials, and to closures of programs
 program_builder, ..._nodes, ..._images, surface_data

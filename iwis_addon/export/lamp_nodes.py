@@ -6,10 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.program import Program, Value
+from ...core.nodes.ies import IES
+from ...core.program import Program, Ref, Value
+from .ies import IesError, read_ies
 from .node_values import NodeReader, follow
 from .program_builder import ProgramBuilder
 
+_OF_NORMALS = {"outputs": {"Normal"}}
 _WHITE = np.ones(3, np.float32)
 
 
@@ -35,7 +38,23 @@ class _LampBuilder(ProgramBuilder):
         """See ProgramBuilder."""
         if node.bl_idname == "ShaderNodeLightFalloff":
             return self._falloff(node, groups)
+        if node.bl_idname == "ShaderNodeTexIES":
+            return self._ies(node, groups)
         return super()._made(node, groups)
+
+    def _ies(self, node, groups):
+        """A luminaire's table, by direction."""
+        strength = self.number(node, "Strength", groups)
+        try:
+            settings = read_ies(node)
+        except IesError as error:
+            self.reader.warn(node, f"IES file: {error}; it shines as without it")
+            return {output.identifier: strength for output in node.outputs}
+        vector = self.vector_if_linked(node, "Vector", groups)
+        if vector is None:
+            vector = self.run_at_points("ShaderNodeTexCoord", "Normal", settings=_OF_NORMALS)[0]
+        row = self.add_node(node, groups, IES, {"Vector": vector, "Strength": strength}, settings)
+        return {output.identifier: Ref(row, "Fac") for output in node.outputs}
 
     def _falloff(self, node, groups):
         """Light falls off by the square of the distance as it is."""

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ...core.lamps import ELLIPSE, PLANE_EDGE, RECTANGLE, SPHERE
+from ...core.nodes.ies import IES
 from ...core.nodes.lamp_map import LampPlaces, lamp_picture
 from ...core.nodes.world_map import reached_ops
 from ...core.program import ImageTiles
@@ -47,23 +48,27 @@ def with_pictures(rows: list[dict], camera: Camera) -> tuple[list[dict], np.ndar
             continue
         row = dict(row)
         (program, value), places = row.pop("light"), row.pop("places")
-        side = _side(program, value)
+        ops = reached_ops(program, value).values()
+        side = _side(ops)
+        if any(op.kind == IES for op in ops):
+            flat = places.flat and places.slope > 0.0
+            places = places._replace(by_direction=True, flat=flat)
         size = (side, side) if places.flat else (2 * side, side)
         picture = lamp_picture(program, value, places, camera, *size).reshape(-1, 3)
         mean = float((picture @ _LUMINANCE).mean(dtype=np.float64))
         if not mean > 0.0:
             continue
         row["radiance"] = np.multiply(row["radiance"], mean)
-        made.append(row | {"picture": (end, *size)})
+        made.append(row | {"picture": (end, *size, places.by_direction)})
         texels.append(picture / np.float32(mean))
         end += len(picture)
     return made, np.concatenate(texels)
 
 
-def _side(program, value) -> int:
+def _side(ops) -> int:
     """Texels along a picture's side: as many as the largest image has that it shows."""
     sides = [_LEAST]
-    for op in reached_ops(program, value).values():
+    for op in ops:
         for tiles in op.settings.values():
             if isinstance(tiles, ImageTiles):
                 sides += [max(texels.shape[:2]) for texels in tiles.tiles.values()]

@@ -150,7 +150,7 @@ def test_nodes_that_vary_are_a_picture(scene, kind):
     _dress(obj, "ShaderNodeTexCoord", "UV")
     lines = []
     lamps = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines).lamps
-    first, width, height = lamps.picture[0]
+    first, width, height, _ = lamps.picture[0]
     assert first == 0 and len(lamps.texels) == width * height > 0
     luminance = lamps.texels @ np.float32([0.2126, 0.7152, 0.0722])
     assert luminance.mean() == pytest.approx(1.0, rel=1e-4) and luminance.std() > 0.01

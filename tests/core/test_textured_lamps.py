@@ -35,7 +35,7 @@ RED, BLUE = np.float32([1.0, 0.0, 0.0]), np.float32([0.0, 0.0, 1.0])
 def with_picture(rows, picture):
     """Lamps of which the last one shows a picture, float32 (h, w, 3)."""
     height, width, _ = picture.shape
-    rows = [*rows[:-1], rows[-1] | {"picture": (0, width, height)}]
+    rows = [*rows[:-1], rows[-1] | {"picture": (0, width, height, 0)}]
     return make_lamps(rows)._replace(texels=picture.reshape(-1, 3))
 
 

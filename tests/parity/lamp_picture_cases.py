@@ -66,6 +66,30 @@ def _rim(tree):
     return gradient.outputs["Color"]
 
 
+def _luminaire(horizontal, vertical, value):
+    """An IES texture of a table; value(h, v): candela."""
+
+    def color(tree):
+        rows = [" ".join(f"{value(h, v):.1f}" for v in vertical) for h in horizontal]
+        text = bpy.data.texts.new("Table.ies")
+        head = f"1 -1 1 {len(vertical)} {len(horizontal)} 1 2 0 0 0\n1 1 100"
+        angles = (" ".join(map(str, angles)) for angles in (vertical, horizontal))
+        text.from_string("\n".join(["IESNA:LM-63-2002", "TILT=NONE", head, *angles, *rows]))
+        node = tree.node("ShaderNodeTexIES", mode="INTERNAL", ies=text)
+        return node.outputs[0]
+
+    return color
+
+
+def _wedges(h, v):
+    """Candela of a luminaire that shines more to some sides, and in rings."""
+    rings = 1.0 + math.cos(math.radians(9.0 * v))
+    return 20.0 * rings * (1.5 + math.sin(math.radians(3.0 * h)))
+
+
+_STEPS = tuple(range(0, 91, 10))
+_FULL = _luminaire(range(0, 361, 20), _STEPS, _wedges)
+_QUARTER = _luminaire((0, 30, 60, 90), _STEPS, _wedges)
 _NOISE = _of("ShaderNodeTexNoise", "Color", scale=4.0)
 _CHECKER = _of("ShaderNodeTexChecker", "Color", "UV", scale=4.0)
 _AREA = {"energy": 200.0, "shape": "RECTANGLE", "size": 2.0, "size_y": 1.2}
@@ -92,3 +116,8 @@ _case("soft ball, normal", _place("ShaderNodeTexCoord", "Normal"), "POINT", SIDE
 _case("seen area, image", image_of, "AREA", _BESIDE, seen=True, **_AREA | {"energy": 20.0})
 _case("seen ball, image", image_of, "POINT", _BESIDE, seen=True, **_BALL | {"energy": 30.0})
 _case("seen spot, image", image_of, "SPOT", _BESIDE, seen=True, **_SPOT | {"shadow_soft_size": 0.4})
+_case("IES, point", _FULL, "POINT", ABOVE, **_BALL | {"shadow_soft_size": 0.0})
+_case("IES, quarter", _QUARTER, "POINT", (0.2, -0.6, 1.4), **_SOFT)
+_case("IES, ball", _FULL, "POINT", (0.2, -0.6, 1.4), **_BALL)
+_case("IES, spot", _FULL, "SPOT", ABOVE, **_SPOT | {"spot_size": math.radians(120.0)})
+_case("IES, area", _FULL, "AREA", (0.2, -0.6, 1.4), **_AREA | {"size": 0.5, "size_y": 0.3})
