@@ -59,6 +59,7 @@ _SIGNATURES = {
         None,
         [_HANDLE, ctypes.c_int, ctypes.c_uint, ctypes.c_int, _HANDLE, _SIZE, _SIZE, _SIZE],
     ),
+    "rtcSetGeometryTimeStepCount": (None, [_HANDLE, ctypes.c_uint]),
     "rtcSetGeometryUserData": (None, [_HANDLE] * 2),
     "rtcSetGeometryOccludedFilterFunction": (None, [_HANDLE] * 2),
     "rtcSetGeometryIntersectFilterFunction": (None, [_HANDLE] * 2),
@@ -128,8 +129,9 @@ class EmbreeScene:
         beside: EmbreeScene | None = None,
         aside: float = 0.0,
     ):
-        """Ready to be committed. vertices: float32 (n, 3); m > 0.
+        """Ready to be committed. m > 0.
 
+        vertices: float32 (n, 3), or (k, n, 3), where they are at k evenly spaced times from 0 to 1
         faces: triangles, int32 (m, 3), or quads, int32 (m, 4), as Embree knows them: hits tell of
             these (triangle_pairs.py)
         shadow_filter: which hits of shadow rays count; the camera's rays are not asked
@@ -159,9 +161,13 @@ class EmbreeScene:
         library = self._library
         shape, corners = _FACES[faces.shape[1]]
         geometry = library.rtcNewGeometry(self.device, shape)
-        for kind, form, array in ((_VERTEX, _FLOAT3, vertices), (_INDEX, corners, faces)):
+        steps = vertices.reshape(-1, *vertices.shape[-2:])
+        if len(steps) > 1:
+            library.rtcSetGeometryTimeStepCount(geometry, len(steps))
+        buffers = [(_VERTEX, _FLOAT3, k, step) for k, step in enumerate(steps)]
+        for kind, form, slot, array in (*buffers, (_INDEX, corners, 0, faces)):
             library.rtcSetSharedGeometryBuffer(
-                geometry, kind, 0, form, array.ctypes.data, 0, array.strides[0], len(array)
+                geometry, kind, slot, form, array.ctypes.data, 0, array.strides[0], len(array)
             )
         if self._filter is not None:
             self._ask(geometry, self._filter)
@@ -252,4 +258,5 @@ def _readable(vertices: np.ndarray) -> np.ndarray:
     """
     if (vertices.ctypes.data + vertices.nbytes) % _SMALLEST_PAGE:
         return vertices
-    return np.concatenate([vertices, np.zeros((1, 3), np.float32)])[:-1]
+    flat = vertices.reshape(-1, 3)
+    return np.concatenate([flat, np.zeros((1, 3), np.float32)])[:-1].reshape(vertices.shape)

@@ -43,8 +43,8 @@ def intersect_block(traversal, origins, directions, triangle, instance, u, v):
     instance: int32 (n,), in a scene of instances: which one, that counts the triangle so
     """
     first, second = stack(_RAY_HIT), stack(_RAY_HIT)
-    put_constants(first, 4)
-    put_constants(second, 4)
+    put_constants(first, 4, traversal.time)
+    put_constants(second, 4, traversal.time)
     aside, before = _ASIDE * np.float32(traversal.aside), _ZERO
     for k in range(len(origins)):
         x, y, z, d = origins[k, 0], origins[k, 1], origins[k, 2], directions[k]

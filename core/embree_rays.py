@@ -47,6 +47,7 @@ class Traversal(NamedTuple):
     colored: whether red, green and blue light may be blocked each for itself
     aside: float, metres that a ray which is asked again starts beside the first one; 0: no ray
         slips through, none is asked again
+    time: 0 to 1, when rays see what changes its shape (Embree's motion blur)
     """
 
     scene: int
@@ -56,6 +57,7 @@ class Traversal(NamedTuple):
     colored: bool = False
     aside: float = 0.0
     occluded16: int = 0
+    time: float = 0.0
 
 
 NOTHING = Traversal(0, 0, 0, 0)
@@ -75,10 +77,10 @@ def put_ray(lane, row, ox, oy, oz, dx, dy, dz):
 
 
 @kernel(forceinline=True)
-def put_constants(lane, row):
-    """Write what all rays have in common."""
+def put_constants(lane, row, time):
+    """Write what all rays have in common. time: of Traversal"""
     put(lane + 3 * row, _ZERO)
-    put(lane + 7 * row, _ZERO)
+    put(lane + 7 * row, np.float32(time))
     put(lane + 9 * row, _ALL)
     put(lane + 10 * row, _ZERO)
     put(lane + 11 * row, _ZERO)
@@ -97,7 +99,7 @@ def blocked_one(traversal, ox, oy, oz, dx, dy, dz):
     if traversal.scene == 0:
         return 0
     ray = stack(_RAY)
-    put_constants(ray, 4)
+    put_constants(ray, 4, traversal.time)
     put_ray(ray, 4, ox, oy, oz, dx, dy, dz)
     call(traversal.occluded1, (traversal.scene, ray, 0))
     return _blocked_colors(ray, 4)
@@ -142,7 +144,7 @@ def blocked_aside(traversal, ox, oy, oz, dx, dy, dz, reach):
     """The colors that something blocks, nearer than ``reach``, on one of two rays beside a ray:
     what it has slipped by."""
     ray, blocked, aside = stack(_RAY), 0, np.float32(traversal.aside)
-    put_constants(ray, 4)
+    put_constants(ray, 4, traversal.time)
     for look in range(2):
         if blocked == 0:
             x, y, z = start_aside(ox, oy, oz, dx, dy, dz, aside, look)
@@ -180,7 +182,7 @@ def _forget_colors(packet, width):
 def _occluded_packets(traversal, origins, directions, n, colors, out):
     packet, valid = stack(_PACKET), stack(_WIDTH)
     for lane in range(_WIDTH):
-        put_constants(packet + 4 * lane, 4 * _WIDTH)
+        put_constants(packet + 4 * lane, 4 * _WIDTH, traversal.time)
         put_ray(packet + 4 * lane, 4 * _WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
     k = 0
     while k < n:
@@ -226,7 +228,7 @@ def occluded_within(traversal, origins, directions, reach, towards, open_way, n,
     """
     o, d = origins, directions
     ray = stack(_RAY)
-    put_constants(ray, 4)
+    put_constants(ray, 4, traversal.time)
     for k in range(n):
         own = o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2], reach[k]
         blocked = _blocked_within(traversal, ray, *own)
@@ -277,7 +279,7 @@ def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, together,
         width, occluded = _MOST, traversal.occluded16
     packet, valid, bytes_a_row = stack(_WIDEST), stack(_MOST), 4 * width
     for lane in range(width):
-        put_constants(packet + 4 * lane, bytes_a_row)
+        put_constants(packet + 4 * lane, bytes_a_row, traversal.time)
         put_ray(packet + 4 * lane, bytes_a_row, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
         put(valid + 4 * lane, _ALL)
     for first in range(0, n, width):

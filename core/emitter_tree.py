@@ -32,15 +32,25 @@ def powers_of_faces(corners, radiance) -> np.ndarray:
     return areas_of(corners) * strength
 
 
-def face_tree(corners, radiance) -> LampFaces:
-    """The faces of one lamp. corners: float32 (n, 3, 3); radiance: float32 (n, 2, 3)"""
+def face_tree(corners, radiance, face) -> LampFaces:
+    """The faces of one lamp. corners: float32 (n, 3, 3); radiance: float32 (n, 2, 3); face: int
+    (n,), of LampFaces"""
     order = _along_curve(corners.mean(axis=1))
-    corners, radiance = corners[order], radiance[order]
+    corners, radiance, face = corners[order], radiance[order], face[order]
     missing = -len(corners) % BLOCK
     empty = np.repeat(corners[-1:, :1], 3, axis=1)
     corners = np.concatenate([corners, np.repeat(empty, missing, axis=0)])
     radiance = np.concatenate([radiance, np.zeros((missing, 2, 3), np.float32)])
+    face = np.concatenate([face, np.repeat(face[-1:], missing)]).astype(np.int32)
     power = powers_of_faces(corners, radiance)
+    nodes, leaves = face_nodes(corners, power)
+    radiance = np.ascontiguousarray(radiance.reshape(-1, 3))
+    return LampFaces(np.ascontiguousarray(corners), power, radiance, nodes, leaves, face)
+
+
+def face_nodes(corners, power):
+    """LampFaces.nodes and leaves of whole blocks of faces. corners: float32 (m, 3, 3); power:
+    float64 (m,)"""
     blocks = corners.reshape(-1, BLOCK * 3, 3).astype(np.float64)
     leaf_boxes = np.concatenate([blocks.min(axis=1), blocks.max(axis=1)], axis=1)
     leaves, boxes, node_power = _grown(leaf_boxes, power.reshape(-1, BLOCK).sum(axis=1))
@@ -48,8 +58,7 @@ def face_tree(corners, radiance) -> LampFaces:
     nodes[:, :3] = np.nextafter(np.float32(boxes[:, :3]), -_FAR)
     nodes[:, 3:6] = np.nextafter(np.float32(boxes[:, 3:]), _FAR)
     nodes[:, 6] = np.clip(node_power, 1e-30, 1e30)
-    radiance = np.ascontiguousarray(radiance.reshape(-1, 3))
-    return LampFaces(np.ascontiguousarray(corners), power, radiance, nodes, leaves)
+    return nodes, leaves
 
 
 def _grown(leaf_boxes, leaf_power):

@@ -44,7 +44,7 @@ def with_emitters(
     kinds = [none if column is None else column[owner] for column in (link, group)]
     _, kind = np.unique(kinds, axis=1, return_inverse=True)
     for own in _groups(parts, kind.reshape(-1)):
-        tree = face_tree(parts.corners[own], parts.radiance[own])
+        tree = face_tree(parts.corners[own], parts.radiance[own], parts.face[own])
         low, high = tree.corners.min((0, 1)), tree.corners.max((0, 1))
         width = max(float(np.linalg.norm(high - low)), 1e-6)
         shape = {"kind": MESH, "position": 0.5 * (low + high), "size": (width, 0.0)}

@@ -28,6 +28,7 @@ class LampFaces(NamedTuple):
     radiance: float32 (2 m, 3), of a face's front, from where its corners turn left, and its back
     nodes: float32 (k, 8), of the lamps' trees (emitter_tree.py): lowest and highest corner,
         power, 0; leaves: int32 (k,), blocks in each
+    face: int32 (m,), the triangle of TriangleMesh that each is, or is a part of
     """
 
     corners: np.ndarray
@@ -35,6 +36,7 @@ class LampFaces(NamedTuple):
     radiance: np.ndarray
     nodes: np.ndarray
     leaves: np.ndarray
+    face: np.ndarray
 
 
 NO_FACES = LampFaces(
@@ -42,6 +44,7 @@ NO_FACES = LampFaces(
     np.zeros(0),
     np.zeros((0, 3), np.float32),
     np.zeros((0, 8), np.float32),
+    np.zeros(0, np.int32),
     np.zeros(0, np.int32),
 )
 

@@ -41,7 +41,7 @@ def loop_signature() -> tuple:
         _light(),
         PixelSequence(*_arrays("u2 u1 u1"), True),
         np.float32(0.0),
-        Traversal(0, 0, 0, 0, False, 0.0, 0),
+        Traversal(0, 0, 0, 0, False, 0.0, 0, 0.0),
         perceptual_rule(1.0, 1),
         new_sums(0),
         new_room(glossy=False),

@@ -63,7 +63,7 @@ class PassSampler:
     def look_at(self, job: Job) -> None:
         """Work at another slice of the shutter's time from now on: one of job.slices."""
         self._job = job
-        self.lamps.look_at(job.accel)
+        self.lamps.look_at(job.accel, job.scene.lamps)
         self.occlusion.look_at(job.accel)
 
     @property

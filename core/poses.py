@@ -2,7 +2,8 @@
 
 The table has each object as it is in the middle of the shutter's time, and materials are evaluated
 there: so coordinates, tangents and bumps stay on the object, as in Cycles. What a node knows of the
-camera or of world space is then of the middle, too.
+camera or of world space is then of the middle, too. What has changed its shape keeps that at rest,
+and object coordinates follow it: so do Cycles'. UV maps and all else that corners have stay on it.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import numpy as np
 from .object_motion import Pose
 from .scene import TriangleMesh
 from .shading import ShadingPoints, shading_points
+from .shapes import shaped
 
 
 def _rows(pose: Pose, mesh: TriangleMesh, triangle):
@@ -69,6 +71,18 @@ def posed_normals(pose: Pose | None, mesh: TriangleMesh, triangle, normals: np.n
     return normals
 
 
+def _points_in_shape(pose: Pose, mesh, hit, u, v, directions, terminator_offset) -> ShadingPoints:
+    """shading_points of rays that met triangles in the shape of the pose."""
+    rays = np.flatnonzero(hit >= 0)
+    own, faces = shaped(pose, mesh, hit[rays])
+    if own is mesh:
+        return shading_points(mesh, hit, u, v, directions, terminator_offset)
+    met = np.full(len(hit), -1, np.int32)
+    met[rays] = faces
+    points = shading_points(own, met, u, v, directions, terminator_offset)
+    return points._replace(triangle=hit[points.pixel])
+
+
 def posed_points(
     pose: Pose | None, mesh: TriangleMesh, hit, u, v, directions, terminator_offset=None
 ) -> ShadingPoints:
@@ -78,10 +92,10 @@ def posed_points(
     rays = np.flatnonzero(hit >= 0)
     which, rows = _rows(pose, mesh, hit[rays])
     if not len(which):
-        return shading_points(mesh, hit, u, v, directions, terminator_offset)
+        return _points_in_shape(pose, mesh, hit, u, v, directions, terminator_offset)
     at_rest = np.array(directions, np.float32)
     at_rest[rays[which]] = _unit(_vectors(pose.backward[rows], directions[rays[which]]))
-    points = shading_points(mesh, hit, u, v, at_rest, terminator_offset)
+    points = _points_in_shape(pose, mesh, hit, u, v, at_rest, terminator_offset)
     moved = _posed(points, which, pose.forward[rows], pose.backward[rows])
     moved.wo[:] = -directions[points.pixel]
     return moved

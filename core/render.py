@@ -17,6 +17,7 @@ from .film import Progress, TileSink
 from .filtered_tile import FilteredTile
 from .light_rays import Light
 from .paper_tables import PaperTables
+from .posed_lamps import shines_from_rest
 from .render_cache import RenderCache
 from .scene import Scene
 from .sequence import common_points
@@ -56,6 +57,11 @@ def render(
     elif scene.motion is not None and not can_instance():
         stats.warnings.append("Embree's own interface is missing: moving objects stand still")
         scene = dataclasses.replace(scene, motion=None)
+    if scene.motion is not None and shines_from_rest(scene):
+        stats.warnings.append(
+            f"{len(scene.lamps.faces.face)} faces shine: those that move light other surfaces from "
+            "where they are in the middle of the time that the shutter is open"
+        )
     stop = StopFlag()
     threads = worker_count(settings)
     accel = light = tables = None

@@ -114,6 +114,8 @@ class PartAccel:
             )
             if opacity is not None:
                 opacity = opacity._replace(row=opacity.row[self.rows])
+            if motion is not None:
+                motion = motion.among(self.rows)
         if motion is None:
             self.accel = Accel(mesh, cancelled, opacity)
         else:

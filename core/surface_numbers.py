@@ -10,6 +10,7 @@ from .element_places import barycentric_at, interpolate
 from .poses import points_at_rest
 from .scene import Scene
 from .shading import ShadingPoints
+from .shapes import shaped
 
 
 class TileMist:
@@ -44,7 +45,8 @@ class TileUv:
         points = points_at_rest(scene.pose, mesh, points)
         triangle = points.triangle
         weights, uv = (np.empty((len(place), 2), np.float32) for _ in range(2))
-        barycentric_at(mesh.vertices, mesh.triangles, triangle, points.position, weights)
+        own, faces = shaped(scene.pose, mesh, triangle)
+        barycentric_at(own.vertices, own.triangles, faces, points.position, weights)
         mirrored = maps.mirrored[mesh.object_index[triangle]]
         interpolate(maps.corners, maps.row, triangle, mirrored, weights, uv)
         value = np.append(uv, np.ones((len(place), 1), np.float32), axis=1)

@@ -71,8 +71,7 @@ class TileLamps:
         self._links, self._object_of = scene.lamp_links, scene.mesh.object_index
         self._groups = scene.asked.groups.layers
         self._columns = COLUMNS + 3 * len(self._groups)
-        if self._any:
-            self._soft, self._hard = (_groups(scene.lamps.at(own)) for own in (soft, ~soft))
+        self._take(scene.lamps)
         self._light = np.zeros((n if self._any else 0, self._columns))
         self._count = np.zeros(len(self._light), np.int32)
         # Powers of two: blocks of the sequence that fill a lamp evenly.
@@ -80,9 +79,17 @@ class TileLamps:
         self._of_a_pass = min(1 << (few.bit_length() - 1), _MOST_OF_A_PASS)
         self.traced = 0
 
-    def look_at(self, accel: Accel) -> None:
-        """Trace shadow rays there from now on."""
+    def look_at(self, accel: Accel, lamps: Lamps) -> None:
+        """Trace shadow rays there, to these lamps, from now on."""
         self._accel = accel
+        if lamps is not self._lamps:
+            self._take(lamps)
+
+    def _take(self, lamps: Lamps) -> None:
+        self._lamps = lamps
+        if self._any:
+            soft = is_soft(lamps)
+            self._soft, self._hard = (_groups(lamps.at(own)) for own in (soft, ~soft))
 
     def add_pass(self, layers: list[ClosureLayer], places, number, sums) -> None:
         """Add points of passes to their pixels, and their light to what the stop rule sees of it.

@@ -1,4 +1,4 @@
-"""A render's job at each slice of the shutter's time, where objects move."""
+"""A render's job at each slice of the shutter's time, where objects move or change their shape."""
 
 from __future__ import annotations
 
@@ -7,17 +7,21 @@ import dataclasses
 import numpy as np
 
 from .object_motion import Pose
+from .posed_lamps import posed_lamps
 from .scene import Scene
 from .tile_job import Job
 
 
 def scene_at(scene: Scene, number: int) -> Scene:
-    """A scene with motion as it is in one slice; all arrays are shared."""
+    """A scene with motion as it is in one slice; all arrays are shared, but those of faces that
+    shine and move."""
     motion = scene.motion
     row = np.full(len(scene.object_pass_index), -1, np.int32)
     row[motion.objects] = np.arange(len(motion.objects), dtype=np.int32)
     forward = motion.matrices[number]
-    return dataclasses.replace(scene, pose=Pose(row, forward, np.linalg.inv(forward)))
+    time = float(motion.times[number])
+    pose = Pose(row, forward, np.linalg.inv(forward), time, motion.shapes)
+    return dataclasses.replace(scene, pose=pose, lamps=posed_lamps(scene, pose))
 
 
 def with_slices(job: Job) -> Job:

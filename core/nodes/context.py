@@ -25,6 +25,15 @@ def barycentric_of(mesh: TriangleMesh, triangle, position) -> np.ndarray:
     return found
 
 
+def _in_shape(pose, mesh: TriangleMesh, triangle):
+    """See shapes.shaped_for_nodes, a kernel, which is loaded for what moves alone."""
+    if pose is None:
+        return mesh, triangle
+    from .. import shapes
+
+    return shapes.shaped_for_nodes(pose, mesh, triangle)
+
+
 def _places():
     """Kernels: the exporters load without numba."""
     from .. import element_places
@@ -38,6 +47,8 @@ class ShadeContext:
     triangle: int32 (n,); barycentric: float32 (n, 2), weights of the second and third corner
     position, wo, normal, geometric_normal: float32 (n, 3), world space, as in ShadingPoints
     shadow: whether a shadow ray asks, and not the camera
+    shape: (a mesh that has the triangles where the points lie on them, int32 (n,), their rows in
+        it); None: mesh has them there
     """
 
     def __init__(
@@ -54,6 +65,7 @@ class ShadeContext:
         geometric_normal,
         shadow=False,
         distance=None,
+        shape=None,
     ):
         self.mesh, self.surface, self.camera = mesh, surface, camera
         self._material_pass_index = material_pass_index
@@ -61,6 +73,7 @@ class ShadeContext:
         self.wo, self.normal, self.geometric_normal = wo, normal, geometric_normal
         self.shadow = shadow
         self._distance = distance
+        self._shape, self._faces = (mesh, triangle) if shape is None else shape
 
     @property
     def camera_ray(self) -> bool:
@@ -71,18 +84,20 @@ class ShadeContext:
     def of_points(cls, scene, points, shadow=False) -> ShadeContext:
         """Of ShadingPoints of a Scene with shaders."""
         mesh, shaders = scene.mesh, scene.shaders
+        shape, faces = _in_shape(scene.pose, mesh, points.triangle)
         return cls(
             mesh,
             shaders.surface,
             scene.camera,
             shaders.material_pass_index,
             points.triangle,
-            barycentric_of(mesh, points.triangle, points.position),
+            barycentric_of(shape, faces, points.position),
             points.position,
             points.wo,
             points.normal,
             points.geometric_normal,
             shadow,
+            shape=(shape, faces),
         )
 
     def __len__(self):
@@ -101,6 +116,7 @@ class ShadeContext:
             *rows_of(arrays, which),
             self.shadow,
             distance,
+            (self._shape, self._faces[which]),
         )
 
     @cached_property
@@ -124,7 +140,8 @@ class ShadeContext:
     @cached_property
     def backfacing(self) -> np.ndarray:
         """float32 (n,): 1 where the camera sees the back."""
-        a, b, c = (self.mesh.vertices[corner] for corner in self.mesh.triangles[self.triangle].T)
+        shape = self._shape
+        a, b, c = (shape.vertices[corner] for corner in shape.triangles[self._faces].T)
         winding = dot(np.cross(b - a, c - a), self.geometric_normal) < 0.0
         return winding.astype(np.float32)
 
@@ -141,7 +158,7 @@ class ShadeContext:
         """float32 (n, 3): of the mesh's front, in the object's own space; between the corners it is
         shorter than 1, as what Cycles gives to normal maps."""
         normal = np.empty((len(self), 3), np.float32)
-        corners = self.mesh.corner_normals, self.triangle, self.barycentric
+        corners = self._shape.corner_normals, self._faces, self.barycentric
         matrices = self.surface.object_to_world, self.object
         _places().corner_normals_at(*corners, *matrices, normal)
         return normal
@@ -243,9 +260,9 @@ class ShadeContext:
 
     def moved(self, offset) -> ShadeContext:
         """The same points moved in the planes of their faces. offset: float32 (n, 3)"""
-        other, mesh = self.take(slice(None)), self.mesh
+        other, shape = self.take(slice(None)), self._shape
         other.position = self.position + offset
         other.barycentric = other.barycentric.copy()
-        own = mesh.vertices, mesh.triangles, self.triangle
+        own = shape.vertices, shape.triangles, self._faces
         _places().move_barycentric(*own, as_vector(offset, len(self)), other.barycentric)
         return other

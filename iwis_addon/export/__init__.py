@@ -6,7 +6,8 @@ parts, point_..., strand..., hair_curves, particle_hair, element_values
                              points and strands: spheres and tubes, and what nodes ask of them
 camera, panorama, lamps,     the other parts of a Scene
 lamp_nodes, lamp_pictures, ies, world
-motion, object_motion        camera and objects at other times, where the shutter is open
+motion, object_motion,       camera, objects and shapes at other times, where the shutter is open
+changing_shapes
 material, shader_reader      shader nodes to rows of materials, and to closures of programs
 program_builder, ..._nodes, ..._images, surface_data
                              value nodes to operations, with all that these look up
@@ -66,22 +67,23 @@ def export_scene(
     cancelled=lambda: False,
     camera=None,
     live: LiveExport | None = None,
-    instances: list | None = None,
+    geometry: list[MeshExport] | None = None,
 ) -> Scene:
     """All that one picture of the graph's scene and view layer needs.
 
     region: as for export_camera; cache: as for export_mesh and read_world
     camera: a core.scene.Camera in place of the scene's; live: what of a window need not be read
     warnings: gets one line for all that is rendered otherwise than Cycles would
-    instances: gets the Instance of each row of the scene's objects
+    geometry: gets what the mesh table was made of
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
     camera = camera or export_camera(depsgraph, warnings, region=region)
     keep = (live or LiveExport()).keep
     least_height = None if live is None else LEAST_IN_WINDOW
-    geometry = export_mesh(depsgraph, warnings, cache, cancelled)
-    if instances is not None:
-        instances.extend(geometry.inventory.instances)
+    read = export_mesh(depsgraph, warnings, cache, cancelled)
+    if geometry is not None:
+        geometry.append(read)
+    geometry = read
     texels = None if cache is None else cache.texels
     materials, measured = keep(
         "materials",

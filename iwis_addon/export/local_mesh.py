@@ -193,6 +193,21 @@ def _derive(mesh, source: _Source, digest: bytes) -> LocalMesh:
     )
 
 
+def read_shape(mesh, like: LocalMesh) -> tuple[np.ndarray, np.ndarray] | None:
+    """(positions, normals) of an evaluated bpy mesh at another time, in the rows of a LocalMesh of
+    it; None where it has other vertices or faces. Normals: float32 (0, 3) where it has none."""
+    if len(mesh.vertices) != len(like.positions):
+        return None
+    positions = _read_attribute(mesh, "position", "POINT", "FLOAT_VECTOR", np.float32, 3)
+    if like.normals is None:
+        return positions, np.zeros((0, 3), np.float32)
+    of_points = like.normal_index is like.triangles
+    normals = mesh.vertex_normals if of_points else mesh.corner_normals
+    if len(normals) != len(like.normals):
+        return None
+    return positions, _read(normals, "vector", np.float32, 3)
+
+
 def read_mesh(
     mesh, known: dict[bytes, LocalMesh] | None = None, cancelled=lambda: False
 ) -> LocalMesh | None:

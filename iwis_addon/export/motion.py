@@ -17,9 +17,9 @@ from mathutils import Matrix
 
 from ...core.scene import PERSPECTIVE, Camera, CameraMotion, Scene
 from .camera import camera_matrix, camera_optics
-from .instances import Instance
+from .changing_shapes import ChangingShapes
+from .mesh import MeshExport
 from .object_motion import Motions, object_motion, read_places, read_steps, steps_of
-from .unblurred import Unblurred
 
 # The middle of the shutter's time, in units of it, from the frame.
 _MIDDLE = {"START": 0.5, "CENTER": 0.0, "END": -0.5}
@@ -32,28 +32,31 @@ def export_in_motion(engine, depsgraph, warnings: list[str], export: Callable[..
     """What export() gives in the middle of the shutter's time, with motion of camera and objects.
 
     engine: the RenderEngine, whose frame_set moves depsgraph and scene; they are set back. Without
-    motion blur nothing is moved. export(instances=[]): fills in what the scene's objects are
+    motion blur nothing is moved. export(geometry=[]): fills in what the mesh table was made of
     warnings: gets a line where something moves or changes its shape and is not blurred
+    Lamps are as in the middle, as in Cycles.
     """
     scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
     layer = depsgraph.view_layer_eval
-    instances: list[Instance] = []
+    geometry: list[MeshExport] = []
     if not render.use_motion_blur or not getattr(layer, "use_motion_blur", True):
-        return export(instances=instances)
+        return export(geometry=geometry)
     now = scene.frame_current + scene.frame_subframe
     middle = now + _MIDDLE[render.motion_blur_position] * render.motion_blur_shutter
     try:
         if middle != now:
             _go_to(engine, middle)
-        exported = export(instances=instances)
-        unblurred = Unblurred()
-        camera, objects = _motions(engine, depsgraph, exported.camera, middle, unblurred)
+        exported = export(geometry=geometry)
+        steps = read_steps(depsgraph)
+        shapes = ChangingShapes(depsgraph, geometry[0], steps)
+        camera, objects = _motions(engine, depsgraph, exported.camera, middle, steps, shapes)
     finally:
         _go_to(engine, now)
     times = shutter_times(render)
-    moved, still = object_motion(instances, objects, times)
+    own = geometry[0].inventory.instances, objects, times, shapes.tables()
+    moved, still = object_motion(*own)
     _tell(depsgraph.scene_eval, still, warnings)
-    warnings.extend(unblurred.lines(depsgraph.scene_eval.name))
+    warnings.extend(shapes.lines(depsgraph.scene_eval.name))
     motion = _as_table(*camera, times, keep=moved is not None)
     camera = dataclasses.replace(exported.camera, motion=motion)
     return dataclasses.replace(exported, camera=camera, motion=moved)
@@ -64,19 +67,21 @@ def _go_to(engine, time: float) -> None:
     engine.frame_set(frame, time - frame)
 
 
-def _motions(engine, depsgraph, middle: Camera, time: float, unblurred: Unblurred):
-    """((matrices, windows) of the camera at its steps, Motions of the objects)."""
-    steps = read_steps(depsgraph)
+def _motions(engine, depsgraph, middle: Camera, time: float, steps, shapes: ChangingShapes):
+    """((matrices, windows) of the camera at its steps, Motions of the objects).
+
+    steps: of Motions; shapes: looks at each time
+    """
     camera_steps = steps_of(getattr(depsgraph.scene_eval.camera, "cycles", None))
     most = max(camera_steps, *steps.values(), 3)
     half = 0.5 * depsgraph.scene_eval.render.motion_blur_shutter
     cameras, places = [], []
-    for relative in np.linspace(-1.0, 1.0, most):
+    for number, relative in enumerate(np.linspace(-1.0, 1.0, most)):
         if relative != 0.0:
             _go_to(engine, time + relative * half)
             cameras.append(_camera_now(depsgraph))
             places.append(read_places(depsgraph, steps))
-            unblurred.look(depsgraph)
+            shapes.look(depsgraph, number, most)
         else:  # the graph stands elsewhere: this is what was exported
             cameras.append((middle.camera_to_world, middle.window))
             places.append(None)

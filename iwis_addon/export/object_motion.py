@@ -2,7 +2,7 @@
 
 Between two steps an object's place goes straight and its turn and size evenly, about its own
 origin. Each object has its own number of steps and may be kept from blurring (object properties,
-Cycles). What changes its shape is of the middle of the shutter's time.
+Cycles). What changes its shape: changing_shapes.py.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from mathutils import Matrix
 
-from ...core.object_motion import ObjectMotion
+from ...core.object_motion import ObjectMotion, Shapes
 from .instances import Instance
 from .parts import WITH_SURFACE
 
@@ -79,11 +79,14 @@ def read_places(depsgraph, wanted) -> dict[Key, np.ndarray]:
 
 
 def object_motion(
-    instances: list[Instance], motions: Motions, times: np.ndarray
+    instances: list[Instance],
+    motions: Motions,
+    times: np.ndarray,
+    shapes: tuple[Shapes, ...] = (),
 ) -> tuple[ObjectMotion | None, list[str]]:
     """The motion of a scene's instances, and names of those that move but cannot be blurred.
 
-    times: of CameraMotion
+    times: of CameraMotion; shapes: of ObjectMotion
     """
     rows, paths, still = [], [], []
     for row, instance in enumerate(instances):
@@ -100,15 +103,15 @@ def object_motion(
         else:
             rows.append(row)
             paths.append(path)
-    if not rows:
+    if not rows and not shapes:
         return None, still
     k = _SLICES
     while k > _LEAST_SLICES and k * len(rows) > _MOST_PLACES:
         k //= 2
     bright = (np.arange(k) + 0.5) / k
     when = np.interp(bright, np.linspace(0.0, 1.0, len(times)), times)
-    matrices = np.array([[path.at(t) for path in paths] for t in when])
-    return ObjectMotion(np.array(rows, np.int32), when, matrices), still
+    matrices = np.array([[path.at(t) for path in paths] for t in when]).reshape(k, -1, 4, 4)
+    return ObjectMotion(np.array(rows, np.int32), when, matrices, shapes), still
 
 
 def _stands(places, middle) -> bool:

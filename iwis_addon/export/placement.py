@@ -29,7 +29,7 @@ CHUNK = 1 << 16
 _WITHOUT_PLACE = np.float32([1.0, 1.0, 1.0, 0.0])
 
 
-def _transform(matrices, points, out):
+def transform_points(matrices, points, out):
     """out[k] = matrices[k, :, :3] @ points + matrices[k, :, 3], without the threads of BLAS.
 
     matrices: float32 (k, 3, 4); points: float32 (n, 3); out: float32 (k, n, 3), written
@@ -75,7 +75,7 @@ class Placed(NamedTuple):
     mirrors: np.ndarray
 
 
-class _Transforms(NamedTuple):
+class Transforms(NamedTuple):
     """Of all instances: float32 (n, 3, 4) of points and of normals, bool (n,) which mirror."""
 
     matrices: np.ndarray
@@ -83,13 +83,13 @@ class _Transforms(NamedTuple):
     mirrors: np.ndarray
 
     @classmethod
-    def of(cls, instances: list[Instance]) -> _Transforms:
+    def of(cls, instances: list[Instance]) -> Transforms:
         exact = np.array([instance.object_to_world for instance in instances])
         cofactors, mirrors = _cofactors(exact.reshape(-1, 4, 4)[:, :3])
         return cls(exact.reshape(-1, 4, 4)[:, :3].astype(np.float32), cofactors, mirrors)
 
 
-def _users(inventory: Inventory) -> np.ndarray:
+def users_of(inventory: Inventory) -> np.ndarray:
     """How many instances each part has."""
     return np.bincount([i.part for i in inventory.instances], minlength=len(inventory.parts))
 
@@ -153,7 +153,7 @@ class _Writer:
         self.places[rows, 1] = np.arange(triangles.start, triangles.stop, m)
         self.write_moved(part, rows, mirrored, shared, matrices, cofactors)
         out = self.mesh.triangles[triangles].reshape(k, m, 3)
-        order = _order(mirrored)
+        order = corner_order(mirrored)
         np.add(part.triangles[:, order], first[:, None, None].astype(np.int32), out=out)
         self.mesh.object_index[triangles].reshape(k, m)[:] = np.array(rows)[:, None]
         if part.slots is None:
@@ -168,10 +168,10 @@ class _Writer:
         k, n, m = len(rows), len(part.positions), len(part.triangles)
         vertex, triangle = self.places[rows[0]]
         vertices = slice(vertex, vertex + k * n)
-        _transform(matrices, part.positions, self.mesh.vertices[vertices].reshape(k, n, 3))
+        transform_points(matrices, part.positions, self.mesh.vertices[vertices].reshape(k, n, 3))
         triangles = slice(triangle, triangle + k * m)
         turns = matrices * _WITHOUT_PLACE if part.radial else cofactors
-        self._write_normals(part, _order(mirrored), shared, turns, triangles)
+        self._write_normals(part, corner_order(mirrored), shared, turns, triangles)
 
     def _write_normals(self, part, order, shared, turns, triangles):
         k = len(turns)
@@ -180,7 +180,7 @@ class _Writer:
             out[:] = 0.0
             return
         normals = np.empty((k, *part.normals.shape), np.float32)
-        _transform(turns, part.normals, normals)
+        transform_points(turns, part.normals, normals)
         if not shared:
             make_unit(normals)
         # "clip": with bounds checks, take() would go through a buffer as large as out.
@@ -213,7 +213,8 @@ class _Writer:
         return has_area
 
 
-def _order(mirrored):
+def corner_order(mirrored):
+    """Which corners a triangle of a mirrored, or another, instance has."""
     return [0, 2, 1] if mirrored else slice(None)
 
 
@@ -225,10 +226,10 @@ def place_instances(inventory: Inventory, cancelled=lambda: False) -> Placed:
         sum(len(parts[instance.part].triangles) for instance in instances),
         len(instances),
     )
-    users, mesh = _users(inventory), writer.mesh
+    users, mesh = users_of(inventory), writer.mesh
     # Broken vertices are told from good ones afterwards; meanwhile their arithmetic may overflow.
     with np.errstate(all="ignore"):
-        matrices, cofactors, mirrors = _Transforms.of(instances)
+        matrices, cofactors, mirrors = Transforms.of(instances)
         for instance, rows in _batches(inventory, mirrors):
             if cancelled():
                 raise ExportCancelled
@@ -247,12 +248,12 @@ def move_instances(placed: Placed, inventory: Inventory, rows: list[int]) -> Pla
 
     None where triangles cannot be rendered, or turn round: then all is to be placed anew.
     """
-    instances, users = inventory.instances, _users(inventory)
+    instances, users = inventory.instances, users_of(inventory)
     if not placed.usable.all():
         return None
     writer = _Writer.over(placed)
     with np.errstate(all="ignore"):
-        matrices, cofactors, mirrors = _Transforms.of([instances[row] for row in rows])
+        matrices, cofactors, mirrors = Transforms.of([instances[row] for row in rows])
         if (mirrors != placed.mirrors[rows]).any():
             return None
         for k, row in enumerate(rows):

@@ -33,10 +33,10 @@ def add_lamp(name):
 
 
 def exported():
-    lines, instances = [], []
+    lines, geometry = [], []
     graph = bpy.context.evaluated_depsgraph_get()
-    found = export_scene(graph, warnings=lines, instances=instances)
-    return found, [instance.name for instance in instances], lines
+    found = export_scene(graph, warnings=lines, geometry=geometry)
+    return found, [one.name for one in geometry[0].inventory.instances], lines
 
 
 def names_of(mask, names):

@@ -11,6 +11,7 @@ from . import (
     lamp_picture_cases,
     link_cases,
     lit_cases,
+    motion_cases,
     normal_cases,
     property_cases,
     shown_lamp_cases,
@@ -39,5 +40,6 @@ _FAMILIES = (
     flag_cases,
     link_cases,
     shown_lamp_cases,
+    motion_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

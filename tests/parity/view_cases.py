@@ -156,7 +156,8 @@ _panorama(
 )
 
 
-def _linear(owner):
+def linear(owner):
+    """Have what is keyed go straight from key to key."""
     action = owner.animation_data.action
     layered = getattr(action, "layers", None)
     curves = action.layers[0].strips[0].channelbags[0].fcurves if layered else action.fcurves
@@ -183,9 +184,9 @@ def _moving(name, material=_diffuse_checks, lit=True, kind="PERSP", zoom=1.0, st
             if zoom != 1.0:
                 camera.data.lens = lens * zoom**t
                 camera.data.keyframe_insert("lens", frame=frame)
-        _linear(camera)
+        linear(camera)
         if zoom != 1.0:
-            _linear(camera.data)
+            linear(camera.data)
         scene.frame_set(1)
         scene.render.use_motion_blur = True
         for key, value in render.items():
@@ -226,7 +227,7 @@ def _objects_moving(name, material=_diffuse_checks, lit=True, steps=1, follow=Fa
                 else:
                     obj.location = place + type(place)((0.6 * t, 0.2 * t, 0.3 * t))
                 obj.keyframe_insert("location", frame=frame)
-            _linear(obj)
+            linear(obj)
         scene.frame_set(1)
         scene.render.use_motion_blur = True
         for key, value in render.items():

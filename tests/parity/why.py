@@ -48,4 +48,7 @@ WHY = {
     "Camera objects in motion": _MOVES,
     "Camera objects in motion, glowing checks": _MOVES,
     "Camera objects in motion, followed": _MOVES,
+    "Motion of shapes and objects": _MOVES,
+    "Motion of an object that shines": _MOVES,
+    "Motion of a shape that shines": _MOVES,
 }

@@ -1,0 +1,237 @@
+"""What changes its shape while the shutter is open, read step by step, as Cycles reads it.
+
+Each mesh that may deform is read at the steps of its object, and kept only where it differs from
+the middle's; there must be as many vertices, else that step is as the middle. An object's settings
+(and its instancer's) may keep it from that: Motion Blur, Deformation.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...core.object_motion import Shapes
+from .free_memory import free_memory_bytes
+from .instances import Inventory
+from .local_mesh import LocalMesh, read_shape
+from .mesh import MeshExport
+from .object_motion import Key, key_of
+from .placement import Transforms, corner_order, transform_points, users_of
+from .triangle_normals import make_unit, usable_vertices
+
+# Of an object's size: what modifiers that follow other objects round to is below.
+_CHANGED = 1e-6
+# Embree's hierarchy of a triangle, for each step but one; positions and normals are counted.
+_STEP_BYTES = 110
+_GIGABYTE = 1e9
+
+
+class _Part(NamedTuple):
+    """A mesh that may deform.
+
+    rows: of the instances that show it so; steps: times from the first to the last, odd
+    read: at each step but the middle: (positions, normals) as LocalMesh has them, in its object's
+        own space; None = as in the middle
+    """
+
+    name: str
+    local: LocalMesh
+    rows: list[int]
+    steps: int
+    read: list[tuple[np.ndarray, np.ndarray] | None]
+
+
+class ChangingShapes:
+    """Made in the middle of the time, where all was exported; look() at each other time; then
+    tables(), and lines()."""
+
+    def __init__(self, depsgraph, geometry: MeshExport, steps: dict[Key, int]):
+        """steps: of Motions, of what may blur at all"""
+        self._geometry, self._parts = geometry, {}
+        self._part_of: dict[Key, int] = {}
+        self._other, self._large = {}, {}
+        inventory, scene = geometry.inventory, depsgraph.scene_eval
+        rows: dict[Key, int] = {}
+        for row, instance in enumerate(inventory.instances):
+            if not inventory.parts[instance.part].round:
+                rows[Key(instance.name, instance.number)] = row
+        for item in depsgraph.object_instances:
+            key = key_of(item)
+            if key in rows and steps.get(key) and item.show_self and _may_deform(item, scene):
+                self._add(key, rows[key], inventory, steps[key])
+
+    def _add(self, key: Key, row: int, inventory: Inventory, steps: int) -> None:
+        number = inventory.instances[row].part
+        part = self._parts.get(number)
+        rows = [row] if part is None else [*part.rows, row]
+        steps = steps if part is None else max(steps, part.steps)
+        local = inventory.parts[number]
+        self._parts[number] = _Part(key.name, local, rows, steps, [None] * steps)
+        self._part_of[key] = number
+
+    def look(self, depsgraph, number: int, times: int) -> None:
+        """Read what the graph has now, at time ``number`` of ``times`` from first to last."""
+        done = set()
+        for item in depsgraph.object_instances if self._parts else ():
+            key = key_of(item)
+            which = self._part_of.get(key)
+            if which is None or which in done or not item.show_self:
+                continue
+            done.add(which)
+            part = self._parts[which]
+            step, between = divmod(number * (part.steps - 1), times - 1)
+            if not between and part.name not in self._large:
+                self._read(part, step, item.object.data)
+
+    def _read(self, part: _Part, step: int, data) -> None:
+        own = read_shape(data, part.local)
+        if own is None:
+            self._other[part.name] = None
+            return
+        positions, normals = own
+        usable = usable_vertices(positions) & usable_vertices(part.local.positions)
+        positions[~usable] = part.local.positions[~usable]
+        size = float(np.abs(part.local.positions[usable]).max(initial=0.0))
+        moved = np.abs(positions - part.local.positions)[usable].max(initial=0.0)
+        if not moved > _CHANGED * size:
+            return
+        needed, free = _bytes_of(part), free_memory_bytes()
+        if free is not None and not any(part.read) and needed > free:
+            self._large[part.name] = part.steps, needed, free
+            part.read[:] = [None] * part.steps
+            return
+        part.read[step] = positions, normals
+
+    def tables(self) -> tuple[Shapes, ...]:
+        """ObjectMotion.shapes: one for each number of steps."""
+        changed = [part for part in self._parts.values() if any(part.read)]
+        numbers = sorted({part.steps for part in changed})
+        groups = [[part for part in changed if part.steps == number] for number in numbers]
+        found = [_table(self._geometry, parts, k) for parts, k in zip(groups, numbers, strict=True)]
+        return tuple(table for table in found if len(table.triangle))
+
+    def lines(self, scene_name: str) -> list[str]:
+        """A warning for each reason why something that changes stays sharp."""
+        found = []
+        if self._other:
+            names = ", ".join(list(self._other)[:3]) + (", ..." if len(self._other) > 3 else "")
+            found.append(
+                f"Scene {scene_name}: {len(self._other)} objects have other vertices at other "
+                "times, and are not blurred there but as in the middle of the time that the "
+                f"shutter is open: {names}"
+            )
+        for name, (steps, needed, free) in self._large.items():
+            found.append(
+                f"Object {name}: its shapes at {steps} times need {needed / _GIGABYTE:.1f} GB, of "
+                f"which {free / _GIGABYTE:.1f} are free: its change of shape is not blurred. Lower "
+                "its Motion Blur, Steps, or its subdivision"
+            )
+        return found
+
+
+def _may_deform(item, scene) -> bool:
+    """Cycles' rule: modifiers, shape keys, ... that may change it; geometry that is not the
+    object's own is looked at always."""
+    owners = [item.object, *([item.parent] if item.is_instance and item.parent else [])]
+    for owner in owners:
+        settings = getattr(owner.original, "cycles", None)
+        if settings is not None and not settings.use_deform_motion:
+            return False
+    if item.object.type != "MESH":
+        return False
+    real = item.instance_object if item.is_instance else item.object
+    if real.data is None or real.data.as_pointer() != item.object.data.as_pointer():
+        return True
+    return bool(real.is_deform_modified(scene, "RENDER"))
+
+
+def _bytes_of(part: _Part) -> int:
+    """Of all its steps: as read, and for each instance in world space, with the hierarchy."""
+    local = part.local
+    vectors = len(local.positions) + (0 if local.normals is None else len(local.normals))
+    instances = len(part.rows)
+    arrays = part.steps * 12 * vectors * (1 + instances)
+    return arrays + (part.steps - 1) * _STEP_BYTES * len(local.triangles) * instances
+
+
+class _Rows(NamedTuple):
+    """Of one instance: int32 (m,), its triangles in the table; int64 (m,), in its LocalMesh."""
+
+    table: np.ndarray
+    local: np.ndarray
+
+
+def _rows_of(geometry: MeshExport, instances: list[int]) -> dict[int, _Rows]:
+    """By row of the instance. An object's triangles stand in the order of its LocalMesh."""
+    objects, usable = geometry.mesh.object_index, None
+    if geometry.kept is not None:
+        usable, objects = geometry.kept
+    wanted = np.zeros(len(geometry.inventory.instances), np.bool_)
+    wanted[instances] = True
+    every = np.flatnonzero(wanted[objects])
+    own = objects[every]
+    every, own = (column[np.argsort(own, kind="stable")] for column in (every, own))
+    place = None if usable is None else np.cumsum(usable) - 1
+    found = {}
+    for row in instances:
+        rows = every[slice(*np.searchsorted(own, (row, row + 1)))]
+        local = np.arange(len(rows))
+        if usable is not None:
+            local, rows = local[usable[rows]], place[rows[usable[rows]]]
+        found[row] = _Rows(rows.astype(np.int32), local)
+    return found
+
+
+def _table(geometry: MeshExport, parts: list[_Part], steps: int) -> Shapes:
+    """The shapes of all instances of parts, in world space."""
+    rows = [row for part in parts for row in part.rows]
+    part_of = {row: part for part in parts for row in part.rows}
+    triangles, users = _rows_of(geometry, rows), users_of(geometry.inventory)
+    transforms = Transforms.of([geometry.inventory.instances[row] for row in rows])
+    positions, normals, columns, first, first_normal = [], [], [], 0, 0
+    for k, row in enumerate(rows):
+        part, own = part_of[row], triangles[row]
+        shared = users[geometry.inventory.instances[row].part] > 1
+        placed = _placed(part, *(column[k] for column in transforms), shared)
+        order = corner_order(transforms.mirrors[k])
+        corners = part.local.triangles[own.local][:, order] + np.int32(first)
+        index = np.full(corners.shape, -1, np.int32)
+        if part.local.normals is not None:
+            index = part.local.normal_index[own.local][:, order] + np.int32(first_normal)
+            if part.local.flat is not None:
+                index[part.local.flat[own.local]] = -1
+        columns.append((own.table, corners, index))
+        positions.append(placed[0])
+        normals.append(placed[1])
+        first, first_normal = first + placed[0].shape[1], first_normal + placed[1].shape[1]
+    table, corners, index = (np.concatenate(column) for column in zip(*columns, strict=True))
+    order = np.argsort(table, kind="stable")
+    return Shapes(
+        triangle=table[order],
+        corners=np.ascontiguousarray(corners[order].astype(np.int32)),
+        positions=np.concatenate(positions, axis=1),
+        normals=np.concatenate(normals, axis=1),
+        normal_index=np.ascontiguousarray(index[order].astype(np.int32)),
+    )
+
+
+def _placed(part: _Part, matrix, cofactor, _mirror, shared):
+    """float32 (steps, n, 3) each: positions and normals of all steps under a matrix, float32
+    (3, 4)."""
+    local, middle = part.local, part.steps // 2
+    count = 0 if local.normals is None else len(local.normals)
+    positions = np.empty((part.steps, len(local.positions), 3), np.float32)
+    normals = np.empty((part.steps, count, 3), np.float32)
+    for step, own in enumerate(part.read):
+        own = None if step == middle else own
+        places, vectors = (local.positions, local.normals) if own is None else own
+        transform_points(matrix[None], places, positions[step : step + 1])
+        if count:
+            transform_points(cofactor[None], vectors, normals[step : step + 1])
+            if not shared:
+                make_unit(normals[step])
+    broken = ~usable_vertices(local.positions)
+    if broken.any():  # no triangle names them
+        positions[:, broken] = 0.0
+    return positions, normals
