@@ -1,23 +1,25 @@
 """What changes its shape while the shutter is open, read step by step, as Cycles reads it.
 
-Each mesh that may deform is read at the steps of its object, and kept only where it differs from
-the middle's; there must be as many vertices, else that step is as the middle. An object's settings
-(and its instancer's) may keep it from that: Motion Blur, Deformation.
+Each mesh, or what else may deform, is read at the steps of its object, and kept only where it
+differs from the middle's; there must be as many vertices, else that step is as the middle. A mesh
+whose vertices have velocities goes along these. An object's settings (and its instancer's) may keep
+it from that: Motion Blur, Deformation.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import NamedTuple
 
 import numpy as np
 
 from ...core.object_motion import Shapes
 from .free_memory import free_memory_bytes
-from .instances import Inventory
-from .local_mesh import LocalMesh, read_shape
+from .local_mesh import LocalMesh
 from .mesh import MeshExport
 from .object_motion import Key, key_of
-from .placement import Transforms, corner_order, transform_points, users_of
+from .placement import WITHOUT_PLACE, Transforms, corner_order, transform_points, users_of
+from .shape_readers import normals_along, reader_of, velocities_of
 from .triangle_normals import make_unit, usable_vertices
 
 # Of an object's size: what modifiers that follow other objects round to is below.
@@ -28,8 +30,9 @@ _GIGABYTE = 1e9
 
 
 class _Part(NamedTuple):
-    """A mesh that may deform.
+    """What may deform.
 
+    reader: of shape_readers.py; None: it has been read
     rows: of the instances that show it so; steps: times from the first to the last, odd
     read: at each step but the middle: (positions, normals) as LocalMesh has them, in its object's
         own space; None = as in the middle
@@ -37,6 +40,7 @@ class _Part(NamedTuple):
 
     name: str
     local: LocalMesh
+    reader: object
     rows: list[int]
     steps: int
     read: list[tuple[np.ndarray, np.ndarray] | None]
@@ -49,47 +53,72 @@ class ChangingShapes:
     def __init__(self, depsgraph, geometry: MeshExport, steps: dict[Key, int]):
         """steps: of Motions, of what may blur at all"""
         self._geometry, self._parts = geometry, {}
-        self._part_of: dict[Key, int] = {}
+        self._parts_of: dict[Key, list[int]] = defaultdict(list)
         self._other, self._large = {}, {}
-        inventory, scene = geometry.inventory, depsgraph.scene_eval
-        rows: dict[Key, int] = {}
-        for row, instance in enumerate(inventory.instances):
-            if not inventory.parts[instance.part].round:
-                rows[Key(instance.name, instance.number)] = row
+        self._in_window = depsgraph.mode == "VIEWPORT"
+        scene, rows = depsgraph.scene_eval, defaultdict(list)
+        for row, instance in enumerate(geometry.inventory.instances):
+            rows[Key(instance.name, instance.number)].append(row)
         for item in depsgraph.object_instances:
             key = key_of(item)
-            if key in rows and steps.get(key) and item.show_self and _may_deform(item, scene):
-                self._add(key, rows[key], inventory, steps[key])
+            if not (key in rows and steps.get(key) and _wants(item)):
+                continue
+            velocities = velocities_of(item)
+            if velocities is None and not _may_deform(item, scene):
+                continue
+            for row in rows.pop(key):
+                self._add(key, row, item, steps[key], velocities)
+        self._by_velocity(scene)
 
-    def _add(self, key: Key, row: int, inventory: Inventory, steps: int) -> None:
-        number = inventory.instances[row].part
-        part = self._parts.get(number)
-        rows = [row] if part is None else [*part.rows, row]
-        steps = steps if part is None else max(steps, part.steps)
-        local = inventory.parts[number]
-        self._parts[number] = _Part(key.name, local, rows, steps, [None] * steps)
-        self._part_of[key] = number
+    def _add(self, key: Key, row: int, item, steps: int, velocities) -> None:
+        inventory = self._geometry.inventory
+        instance = inventory.instances[row]
+        number, part = instance.part, self._parts.get(instance.part)
+        if part is None:
+            local = inventory.parts[number]
+            reader = velocities
+            if velocities is None or instance.hair:
+                reader = reader_of(inventory, instance, item, self._in_window)
+            part = self._parts[number] = _Part(key.name, local, reader, [], steps, [])
+        self._parts[number] = part._replace(steps=max(steps, part.steps), rows=[*part.rows, row])
+        self._parts_of[key].append(number)
+
+    def _by_velocity(self, scene) -> None:
+        """Have what has velocities read at three times, from these; make room for the others."""
+        render = scene.render
+        half = 0.5 * render.motion_blur_shutter * render.fps_base / render.fps
+        for number, part in self._parts.items():
+            self._parts[number] = part._replace(read=[None] * part.steps)
+            if not isinstance(part.reader, np.ndarray):
+                continue
+            part = self._parts[number] = part._replace(steps=3, read=[None] * 3)
+            if len(part.reader) == len(part.local.positions):
+                for step, sign in ((0, -half), (2, half)):
+                    moved = part.local.positions + np.float32(sign) * part.reader
+                    self._keep(part, step, moved, normals_along(part.local, moved))
 
     def look(self, depsgraph, number: int, times: int) -> None:
         """Read what the graph has now, at time ``number`` of ``times`` from first to last."""
         done = set()
         for item in depsgraph.object_instances if self._parts else ():
-            key = key_of(item)
-            which = self._part_of.get(key)
-            if which is None or which in done or not item.show_self:
-                continue
-            done.add(which)
-            part = self._parts[which]
-            step, between = divmod(number * (part.steps - 1), times - 1)
-            if not between and part.name not in self._large:
-                self._read(part, step, item.object.data)
+            for which in self._parts_of.get(key_of(item), ()):
+                part = self._parts[which]
+                step, between = divmod(number * (part.steps - 1), times - 1)
+                velocities = isinstance(part.reader, np.ndarray)
+                if which in done or between or velocities or part.name in self._large:
+                    continue
+                done.add(which)
+                self._read(part, step, item)
 
-    def _read(self, part: _Part, step: int, data) -> None:
-        own = read_shape(data, part.local)
+    def _read(self, part: _Part, step: int, item) -> None:
+        own = part.reader.read(item)
         if own is None:
             self._other[part.name] = None
-            return
-        positions, normals = own
+        else:
+            self._keep(part, step, *own)
+
+    def _keep(self, part: _Part, step: int, positions, normals) -> None:
+        """Remember a step, if it differs from the middle's and there is room."""
         usable = usable_vertices(positions) & usable_vertices(part.local.positions)
         positions[~usable] = part.local.positions[~usable]
         size = float(np.abs(part.local.positions[usable]).max(initial=0.0))
@@ -130,16 +159,16 @@ class ChangingShapes:
         return found
 
 
+def _wants(item) -> bool:
+    """Whether an object, and what instances it, may be blurred by deformation."""
+    owners = [item.object, *([item.parent] if item.is_instance and item.parent else [])]
+    settings = (getattr(owner.original, "cycles", None) for owner in owners)
+    return all(own is None or own.use_deform_motion for own in settings)
+
+
 def _may_deform(item, scene) -> bool:
     """Cycles' rule: modifiers, shape keys, ... that may change it; geometry that is not the
     object's own is looked at always."""
-    owners = [item.object, *([item.parent] if item.is_instance and item.parent else [])]
-    for owner in owners:
-        settings = getattr(owner.original, "cycles", None)
-        if settings is not None and not settings.use_deform_motion:
-            return False
-    if item.object.type != "MESH":
-        return False
     real = item.instance_object if item.is_instance else item.object
     if real.data is None or real.data.as_pointer() != item.object.data.as_pointer():
         return True
@@ -228,7 +257,8 @@ def _placed(part: _Part, matrix, cofactor, _mirror, shared):
         places, vectors = (local.positions, local.normals) if own is None else own
         transform_points(matrix[None], places, positions[step : step + 1])
         if count:
-            transform_points(cofactor[None], vectors, normals[step : step + 1])
+            turn = matrix * WITHOUT_PLACE if local.radial else cofactor
+            transform_points(turn[None], vectors, normals[step : step + 1])
             if not shared:
                 make_unit(normals[step])
     broken = ~usable_vertices(local.positions)

@@ -41,6 +41,7 @@ class Instance(NamedTuple):
     terminator_offset: the object's shadow terminator geometry offset, a cosine
     flags: of Scene.object_flags
     number: Blender's for an instance, -1 for an object that is none
+    hair: the name of the modifier that it is the hair of
     """
 
     name: str
@@ -51,6 +52,7 @@ class Instance(NamedTuple):
     terminator_offset: float
     flags: int
     number: int
+    hair: str = ""
 
 
 class Look(NamedTuple):
@@ -232,6 +234,7 @@ class _Collector:
                 own.terminator_offset,
                 own.flags,
                 number,
+                hair,
             )
         )
 

@@ -26,7 +26,7 @@ from .triangle_normals import geometric_normals, make_unit, squared_lengths, usa
 
 # Vertices or triangles worked on at a time: their arrays stay in the processor's cache.
 CHUNK = 1 << 16
-_WITHOUT_PLACE = np.float32([1.0, 1.0, 1.0, 0.0])
+WITHOUT_PLACE = np.float32([1.0, 1.0, 1.0, 0.0])
 
 
 def transform_points(matrices, points, out):
@@ -170,7 +170,7 @@ class _Writer:
         vertices = slice(vertex, vertex + k * n)
         transform_points(matrices, part.positions, self.mesh.vertices[vertices].reshape(k, n, 3))
         triangles = slice(triangle, triangle + k * m)
-        turns = matrices * _WITHOUT_PLACE if part.radial else cofactors
+        turns = matrices * WITHOUT_PLACE if part.radial else cofactors
         self._write_normals(part, corner_order(mirrored), shared, turns, triangles)
 
     def _write_normals(self, part, order, shared, turns, triangles):

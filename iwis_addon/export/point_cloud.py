@@ -54,6 +54,11 @@ def _radii(data) -> np.ndarray:
     return np.maximum(attribute_values(attribute)[:, 0], 0.0)
 
 
+def centers_and_radii(data) -> tuple[np.ndarray, np.ndarray]:
+    """float32 (n, 3), (n,), of an evaluated bpy point cloud that has any point."""
+    return _positions(data), _radii(data)
+
+
 def read_point_cloud(name: str, data, known: dict[bytes, LocalMesh] | None) -> LocalMesh | None:
     """An evaluated bpy point cloud; None if it has no point of any size.
 
@@ -62,7 +67,7 @@ def read_point_cloud(name: str, data, known: dict[bytes, LocalMesh] | None) -> L
     """
     if len(data.points) == 0:
         return None
-    positions, radii = _positions(data), _radii(data)
+    positions, radii = centers_and_radii(data)
     sized = np.flatnonzero(radii > 0.0)
     if not len(sized):
         return None

@@ -150,9 +150,10 @@ def _across(tangents):
     return _unit(np.cross(tangents, axes), axes)
 
 
-def _frames(rings: Rings, tangents):
+def _frames(rings: Rings, tangents, like=None):
     """A vector across each ring, turned from ring to ring no more than the tangents are.
 
+    like: tangents at another time, whose first rings these are turned as
     All strands go on together, the longest first, so that those which still go on stand in front.
     """
     starts = np.flatnonzero(np.append(True, rings.last[:-1]))
@@ -160,7 +161,11 @@ def _frames(rings: Rings, tangents):
     order = np.argsort(-lengths, kind="stable")
     starts, lengths = starts[order], lengths[order]
     across = np.empty_like(tangents)
-    now = _across(tangents[starts])
+    t = tangents[starts]
+    now = _across(t)
+    if like is not None:
+        before = _across(like[starts])
+        now = _unit(before - t * np.einsum("ij,ij->i", t, before)[:, None], now)
     across[starts] = now
     for step in range(1, int(lengths[0])):
         n = int(np.searchsorted(-lengths, -step))
@@ -172,10 +177,15 @@ def _frames(rings: Rings, tangents):
     return across
 
 
-def make_tubes(strands: Strands, shape: Shape, rings: Rings) -> Tubes:
-    """Triangles of all strands; none where a ring has no radius."""
+def make_tubes(strands: Strands, shape: Shape, rings: Rings, like: Strands | None = None) -> Tubes:
+    """Triangles of all strands; none where a ring has no radius.
+
+    like: the same strands at another time; the tubes begin turned as theirs, so that between the
+    two corners go straight to each other
+    """
     values, tangents = along(strands, rings, shape.straight)
-    across = _frames(rings, tangents)
+    others = None if like is None else along(like, rings, shape.straight)[1]
+    across = _frames(rings, tangents, others)
     k, r = shape.sides, len(values)
     angles = np.arange(k, dtype=np.float32) * np.float32(2.0 * np.pi / k)
     angles = angles + (rings.strand * _GOLDEN % 1.0 * (2.0 * np.pi)).astype(np.float32)[:, None]

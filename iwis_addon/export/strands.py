@@ -48,35 +48,36 @@ def strand_settings(scene) -> StrandSettings:
 class StrandSource:
     """What materials ask of strands, one row a ring of a tube.
 
+    strands, shape: what the tubes were made of
     own(name): (values, whether one a key, else one a strand) of what only their maker knows, or
         None
     """
 
     def __init__(self, strands: Strands, shape: Shape, own):
-        self._strands, self._shape, self._own = strands, shape, own
+        self.strands, self.shape, self._own = strands, shape, own
 
     @functools.cached_property
     def _rings(self) -> Rings:
-        return find_rings(self._strands, self._shape)
+        return find_rings(self.strands, self.shape)
 
     def rows(self, name: str) -> np.ndarray | None:
         """float32 (r, width) of a name of element_values.py; None where there is none."""
         kind, _, rest = name.partition(":")
         if name == "element:Tangent":
-            return along(self._strands, self._rings, self._shape.straight)[1]
+            return along(self.strands, self._rings, self.shape.straight)[1]
         found = self._element(rest) if kind == "element" else self._own(name)
         if found is None:
             return None
         values, of_keys = found
         if not of_keys:
             return values[self._rings.strand]
-        last = self._strands.first[self._rings.strand + 1] - 1
+        last = self.strands.first[self._rings.strand + 1] - 1
         key = self._rings.key
         start, end = values[key], values[np.minimum(key + 1, last)]
         return start + (end - start) * self._rings.part[:, None]
 
     def _element(self, name):
-        keys, first = self._strands
+        keys, first = self.strands
         if name == "Is Strand":
             return np.ones((len(first) - 1, 1), np.float32), False
         if name == "Thickness":
@@ -89,11 +90,11 @@ class StrandSource:
         return None
 
     def _strand_of_key(self):
-        return np.repeat(np.arange(len(self._strands.first) - 1), np.diff(self._strands.first))
+        return np.repeat(np.arange(len(self.strands.first) - 1), np.diff(self.strands.first))
 
     def _lengths(self):
         """How far each key is along its strand, 0 ... 1, and each strand's length."""
-        keys, first = self._strands
+        keys, first = self.strands
         strand, begins = self._strand_of_key(), first[:-1]
         steps = np.zeros(len(keys))
         steps[1:] = np.linalg.norm(np.diff(keys[:, :3], axis=0), axis=1)

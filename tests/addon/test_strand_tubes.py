@@ -99,3 +99,19 @@ def test_few_strands_are_rounder_and_bends_are_finer():
 def test_too_many_strands_name_their_object():
     with pytest.raises(ExportError, match=r"Object Wig: its 9 strands are 4,000,000,000 triangles"):
         check_made("Wig", "9 strands", 4_000_000_000)
+
+
+def test_tubes_of_two_times_are_turned_alike():
+    """A strand that turns a little past where another axis is the nearest: corners go as far."""
+    shape = Shape(8, 1, True)
+    ends = np.array([[1.0, 0.3, 0.25], [1.0, 0.25, 0.3]])
+    one, two = (strands_of([(0, 0, 0, 0.1), (*end, 0.1)]) for end in ends)
+    rings = find_rings(one, shape)
+    before = make_tubes(one, shape, rings)
+    alike, alone = make_tubes(two, shape, rings, one), make_tubes(two, shape, rings)
+    np.testing.assert_array_equal(alike.triangles, before.triangles)
+    turned = np.linalg.norm(alike.normals - before.normals, axis=1).max()
+    ways = ends / np.linalg.norm(ends, axis=1, keepdims=True)
+    assert turned <= np.linalg.norm(ways[1] - ways[0]) * 1.001
+    assert np.linalg.norm(alone.normals - before.normals, axis=1).max() > 0.5  # it does matter
+    np.testing.assert_allclose(alike.normals @ ways[1], 0.0, atol=1e-6)

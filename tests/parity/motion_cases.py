@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 
 import bpy
+import numpy as np
 
 from .cases import CASES, Case
+from .element_cases import add_curves, add_nodes, add_particle_hair, add_points, bent_strands
 from .view_cases import linear
 
 
@@ -96,6 +98,42 @@ def by_wave(obj):
     modifier.height, modifier.width, modifier.narrowness = 0.5, 1.2, 1.5
     modifier.time_offset, modifier.speed = -40.0, 0.4
     modifier.use_normal = False
+
+
+def lean(obj):
+    """Geometry nodes that move what they get along x, by the frame after the first and height."""
+
+    def build(nodes, link, start, end):
+        time, position = (
+            nodes.new(f"GeometryNodeInput{name}") for name in ("SceneTime", "Position")
+        )
+        since, by, scaled = (nodes.new("ShaderNodeMath") for _ in range(3))
+        since.operation, since.inputs[1].default_value = "SUBTRACT", 1.0
+        by.operation, scaled.operation, scaled.inputs[1].default_value = (*["MULTIPLY"] * 2, 0.6)
+        parts, offset = nodes.new("ShaderNodeSeparateXYZ"), nodes.new("ShaderNodeCombineXYZ")
+        move = nodes.new("GeometryNodeSetPosition")
+        link(time.outputs["Frame"], since.inputs[0])
+        link(position.outputs[0], parts.inputs[0])
+        link(since.outputs[0], by.inputs[0])
+        link(parts.outputs["Z"], by.inputs[1])
+        link(by.outputs[0], scaled.inputs[0])
+        link(scaled.outputs[0], offset.inputs["X"])
+        link(start, move.inputs["Geometry"])
+        link(offset.outputs[0], move.inputs["Offset"])
+        link(move.outputs[0], end)
+
+    add_nodes(obj, build)
+
+
+def with_velocity(obj, size=40.0):
+    """Say that each vertex goes along x by its height, metres a second."""
+    mesh = obj.data
+    places = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", places.reshape(-1))
+    velocities = np.zeros_like(places)
+    velocities[:, 0] = size * places[:, 2]
+    attribute = mesh.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+    attribute.data.foreach_set("vector", velocities.reshape(-1))
 
 
 def _cylinder(obj):
@@ -211,6 +249,32 @@ def _not_all(scene, sphere, cube, floor):
     cube.cycles.use_deform_motion = False
 
 
+def _curves(scene, sphere, cube, floor):
+    cube.hide_render = sphere.hide_render = True
+    scene.cycles_curves.shape = "THICK"
+    radii = np.broadcast_to(np.linspace(0.12, 0.03, 5), (24, 5))
+    lean(add_curves(floor.data.materials[0], bent_strands(24, 5), radii))
+
+
+def _hair(scene, sphere, cube, floor):
+    by_keys(sphere)
+    scene.cycles_curves.shape = "THICK"
+    add_particle_hair(sphere, 200, radius_scale=0.04)
+
+
+def _points(scene, sphere, cube, floor):
+    cube.hide_render = sphere.hide_render = True
+    places = np.random.default_rng(3).uniform((-2.0, -1.0, -0.9), (2.0, 1.5, 0.9), (60, 3))
+    radii = np.random.default_rng(4).uniform(0.06, 0.3, 60).astype(np.float32)
+    lean(add_points(floor.data.materials[0], places.astype(np.float32), radii))
+
+
+def _velocities(scene, sphere, cube, floor):
+    with_velocity(sphere)
+    _cut(cube, 3)
+    with_velocity(cube)
+
+
 def _lamp(kind, **properties):
     def change(scene, sphere, cube, floor):
         light = bpy.data.lights.new("Lamp", kind)
@@ -265,6 +329,11 @@ _case("of waves, 9 steps", _waves, steps=3)
 _case("of shapes and objects", _bent_and_moved)
 _case("of shapes, instances", _instances)
 _case("of a remeshed shape, sharp", _counts)
+_case("of geometry nodes", lambda scene, sphere, cube, floor: lean(sphere))
+_case("of velocities", _velocities)
+_case("of curves", _curves)
+_case("of particle hair", _hair)
+_case("of points", _points)
 _case("of an area lamp, which stands", _lamp("AREA", size=1.0), lit=False, by_lamps=True)
 _case(
     "of a spot, which stands",

@@ -50,5 +50,6 @@ WHY = {
     "Camera objects in motion, followed": _MOVES,
     "Motion of shapes and objects": _MOVES,
     "Motion of an object that shines": _MOVES,
+    "Motion of particle hair": _FINE,
     "Motion of a shape that shines": _MOVES,
 }
