@@ -8,11 +8,11 @@ In the order of the data; a module imports only from groups with a smaller numbe
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers, triangle_pairs,
-    perlin, texels, element_places
+    perlin, texels, element_places, oidn
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, lamp_choice, lamp_pictures, emitter_tree, sheen, islands,
-    embree_hits,
+    embree_hits, denoise,
     bump, stretched, lobes, cell_numbers, shapes
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
@@ -36,5 +36,5 @@ In the order of the data; a module imports only from groups with a smaller numbe
     pass_samples, pass_plan                         11  passes of a tile, how many are wanted
     center_tile, filtered_tile                      12  one shading point a pixel, several
     render                                          13  the entry point
-    progressive, pixel_view                         14  pictures for a window; one pixel's samples
+    progressive, pixel_view, denoised_render        14  pictures for a window; one pixel's samples
 """

@@ -10,7 +10,7 @@ from ._jit import kernel
 from .backdrop import Backdrop
 from .camera import view_depth
 from .cutouts import opacity_of
-from .film import new_layers
+from .film import NO_DEPTH, new_layers
 from .incremental import PixelSums
 from .lobes import Lobes
 from .pass_sums import PassSums
@@ -19,8 +19,6 @@ from .rows import any_in_row
 from .scene import Scene
 from .shading import ShadingPoints
 from .sheen import diffuse_color
-
-NO_DEPTH = 1e10  # what Cycles writes where nothing is hit
 
 
 class PlacedPoints(NamedTuple):

@@ -15,7 +15,7 @@ import numpy as np
 # Row 0 of every layer is the bottom row of the tile.
 LAYERS = {
     "combined": 4,  # radiance, alpha (premultiplied)
-    "depth": 1,  # metres along the camera's axis, 1e10 where nothing is hit
+    "depth": 1,  # metres along the camera's axis, NO_DEPTH where nothing is hit
     "position": 3,  # world space
     "normal": 3,  # world space, shading normal
     "object_index": 1,
@@ -36,10 +36,14 @@ LAYERS = {
     "unoccluded": 3,  # I_s
     "visibility": 1,  # I_d / I_s
 }
+NO_DEPTH = 1e10  # as Cycles writes it
 
 
 class Tile(NamedTuple):
-    """A finished part of the picture: its place in the frame, y up, and its layers."""
+    """A finished part of the picture: its place in the frame, y up, and its layers.
+
+    A part may come once more, with some layers only: they take the place of those before.
+    """
 
     x: int
     y: int
@@ -50,7 +54,7 @@ class Tile(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far a render is: phase is one of 'tables', 'bvh', 'sampling'; fraction of that phase.
+    """How far a render is: phase: 'tables', 'bvh', 'sampling' or 'denoising'; fraction of that.
 
     remaining: seconds to go, where they are known (a time limit); else the fraction tells
     """

@@ -9,6 +9,9 @@ ESTIMATORS = ("PAPER", "UNBIASED")
 STOP_RULES = ("PERCEPTUAL", "PAPER", "FIXED", "BUDGET")
 PIXEL_FILTERS = ("CENTER", "BOX", "BLACKMAN_HARRIS")
 DECORRELATIONS = ("OWEN", "PIXEL", "NONE")
+DENOISE_PASSES = ("NONE", "ALBEDO", "ALBEDO_NORMAL")
+DENOISE_PREFILTERS = ("NONE", "FAST", "ACCURATE")
+DENOISE_QUALITIES = ("HIGH", "BALANCED", "FAST")
 
 # Bounds, shared by Blender's sliders, the command line and the checks: name -> (low, high).
 LIMITS = {
@@ -29,11 +32,17 @@ CHOICES = {
     "pixel_filter": PIXEL_FILTERS,
     "decorrelation": DECORRELATIONS,
 }
+# Those of DenoiseSettings.
+DENOISE_CHOICES = {
+    "denoise_passes": DENOISE_PASSES,
+    "denoise_prefilter": DENOISE_PREFILTERS,
+    "denoise_quality": DENOISE_QUALITIES,
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RenderSettings:
-    """What a user may choose. [Huang07, algorithm 1] names E, MAX and n.
+    """What a user may choose of sampling. [Huang07, algorithm 1] names E, MAX and n.
 
     error_threshold: E (0: no pixel is done before max_samples). PERCEPTUAL: the relative noise to
         be left in a pixel with half of its light hidden; E r^.625 in one whose samples spread r
@@ -87,10 +96,7 @@ class RenderSettings:
                 raise ValueError(f"setting {name}: {value!r} is not {_a_number(kind)}")
             if not low <= value <= high:  # NaN fails this too
                 raise ValueError(f"setting {name}: {value!r} is outside {low} ... {high}")
-        for name, choices in CHOICES.items():
-            value = getattr(self, name)
-            if value not in choices:
-                raise ValueError(f"setting {name}: {value!r} is none of {', '.join(choices)}")
+        _check_choices(self, CHOICES)
         if self.stop_rule == "BUDGET" and not (self.target_samples or self.time_limit):
             raise ValueError("setting stop_rule: BUDGET needs target_samples or time_limit above 0")
 
@@ -100,16 +106,49 @@ class RenderSettings:
         halton = self.estimator == "PAPER" and self.decorrelation == "OWEN"
         return "PIXEL" if halton else self.decorrelation
 
-    @classmethod
-    def from_strings(cls, pairs: dict[str, str]) -> RenderSettings:
-        """Settings from NAME=VALUE texts, as on the command line. Raises ValueError by name."""
-        fields = {field.name: field for field in dataclasses.fields(cls)}
-        values = {}
-        for name, text in pairs.items():
-            if name not in fields:
-                raise ValueError(f"no setting {name!r}; there are {', '.join(fields)}")
-            values[name] = _parse(name, text, fields[name].type)
-        return cls(**values)
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DenoiseSettings:
+    """What is to become of the noise that is left; the samples do not know of it (denoise.py).
+
+    denoise: whether Open Image Denoise takes it away
+    denoise_passes: what tells it noise from detail: NONE, ALBEDO or ALBEDO_NORMAL
+    denoise_prefilter: of these passes: NONE (they have no noise), FAST (they may have some) or
+        ACCURATE (their own noise is taken away first)
+    denoise_quality: HIGH, BALANCED or FAST
+    """
+
+    denoise: bool = False
+    denoise_passes: str = "ALBEDO_NORMAL"
+    denoise_prefilter: str = "ACCURATE"
+    denoise_quality: str = "HIGH"
+
+    def __post_init__(self):
+        if not isinstance(self.denoise, bool):
+            raise ValueError(f"setting denoise: {self.denoise!r} is neither True nor False")
+        _check_choices(self, DENOISE_CHOICES)
+
+
+def _check_choices(settings, all_choices) -> None:
+    for name, choices in all_choices.items():
+        value = getattr(settings, name)
+        if value not in choices:
+            raise ValueError(f"setting {name}: {value!r} is none of {', '.join(choices)}")
+
+
+def settings_from_strings(pairs: dict[str, str]) -> tuple[RenderSettings, DenoiseSettings]:
+    """Settings from NAME=VALUE texts, as on the command line. Raises ValueError by name."""
+    kinds = (RenderSettings, DenoiseSettings)
+    fields = {field.name: field for kind in kinds for field in dataclasses.fields(kind)}
+    values = {}
+    for name, text in pairs.items():
+        if name not in fields:
+            raise ValueError(f"no setting {name!r}; there are {', '.join(fields)}")
+        values[name] = _parse(name, text, fields[name].type)
+    return tuple(
+        kind(**{name: value for name, value in values.items() if name in kind.__slots__})
+        for kind in kinds
+    )
 
 
 def _a_number(kind) -> str:
@@ -118,7 +157,10 @@ def _a_number(kind) -> str:
 
 def _parse(name, text, type_name):
     if type_name == "str":
-        return text.upper() if name in CHOICES else text
+        return text.upper() if name in CHOICES | DENOISE_CHOICES else text
+    if type_name == "bool":
+        known = {"true": True, "1": True, "false": False, "0": False}
+        return known.get(text.lower(), text)  # what it is not, the settings refuse
     kind = {"int": int, "float": float}[type_name]
     try:
         return kind(text)

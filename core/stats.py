@@ -7,7 +7,7 @@ import sys
 import time
 from dataclasses import dataclass, field
 
-PHASES = ("export", "tables", "bvh", "sampling", "output")
+PHASES = ("export", "tables", "bvh", "sampling", "denoising", "output")
 
 
 @dataclass(slots=True)

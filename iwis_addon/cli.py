@@ -12,7 +12,7 @@ import re
 import sys
 from pathlib import Path
 
-from ..core.settings import RenderSettings
+from ..core.settings import DenoiseSettings, RenderSettings, settings_from_strings
 from .interrupts import interrupts
 
 _FORMATS = {".exr": "OPEN_EXR_MULTILAYER", ".png": "PNG"}
@@ -23,8 +23,8 @@ name is a digit of the frame's number: out_####.exr. Without one, several frames
 
 STATS.json holds, for one frame: width, height, shaded_pixels, triangles, samples (total, mean over
 shaded pixels, max), shadow_rays, primary_rays, seconds and cpu_seconds (export, tables, bvh,
-sampling, output), peak_memory_bytes, cancelled, warnings. With -s and -e it holds a list of these,
-each with its frame, under "frames".
+sampling, denoising, output), peak_memory_bytes, cancelled, warnings. With -s and -e it holds a
+list of these, each with its frame, under "frames".
 
 settings: """
 
@@ -54,7 +54,7 @@ def _parser() -> argparse.ArgumentParser:
         "render",
         help="render a .blend file",
         description="Render a .blend file with the IWIS engine.",
-        epilog=_EPILOG + ", ".join(RenderSettings.__dataclass_fields__),
+        epilog=_EPILOG + ", ".join([*RenderSettings.__slots__, *DenoiseSettings.__slots__]),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     render.add_argument("file", metavar="FILE.blend", type=Path)
@@ -131,7 +131,7 @@ def _render(parser, options) -> None:
     if options.start is not None and options.start > options.end:
         parser.error(f"there is no frame from {options.start} to {options.end}")
     try:
-        settings = RenderSettings.from_strings(dict(options.pairs))
+        settings = settings_from_strings(dict(options.pairs))
     except ValueError as error:
         parser.error(str(error))
     _check_files(options)

@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 
 from .. import register, unregister
-from ..core.settings import RenderSettings
+from ..core.settings import DenoiseSettings, RenderSettings
 from . import preferences
 from .cli import CommandError
 from .job import ENGINE, FrameStats, RenderJob, stats_by_frame
@@ -24,13 +24,16 @@ _ADVICE = {
 }
 
 
-def render_file(options, settings: RenderSettings, file_format: str, interrupted) -> list:
+def render_file(
+    options, settings: tuple[RenderSettings, DenoiseSettings], file_format: str, interrupted
+) -> list:
     """Render what the command line asks for; return the FrameStats of each frame.
 
     interrupted: threading.Event that ends the render. Raises CommandError.
     """
-    if settings.cache_dir:
-        os.environ[preferences.ENVIRONMENT] = settings.cache_dir
+    cache_dir = settings[0].cache_dir
+    if cache_dir:
+        os.environ[preferences.ENVIRONMENT] = cache_dir
     RenderJob.interrupt = interrupted
     register()
     try:
@@ -57,7 +60,8 @@ def _open(path: Path):
 def _prepare(scene, options, settings, file_format) -> None:
     render = scene.render
     render.engine = ENGINE
-    apply_settings(scene, settings, [name for name, _value in options.pairs])
+    for own in settings:
+        apply_settings(scene, own, [name for name, _value in options.pairs])
     if options.resolution:
         render.resolution_x, render.resolution_y = options.resolution
         render.resolution_percentage = 100

@@ -12,6 +12,7 @@ from .job import ENGINE
 
 # Both defaults: Cycles' noise threshold .01 is of the square root of light, IWIS' .1 relative.
 _THRESHOLD_FACTOR = 10.0
+_DENOISE_PASSES = {"RGB": "NONE", "RGB_ALBEDO": "ALBEDO", "RGB_ALBEDO_NORMAL": "ALBEDO_NORMAL"}
 _FILTERS = {"BOX": "BOX", "BLACKMAN_HARRIS": "BLACKMAN_HARRIS", "GAUSSIAN": "BLACKMAN_HARRIS"}
 
 
@@ -36,7 +37,22 @@ def copy_cycles_settings(scene) -> list[str]:
     iwis.use_animated_seed = cycles.use_animated_seed
     iwis.pixel_filter = _FILTERS[cycles.pixel_filter_type]
     iwis.filter_width = _within("filter_width", cycles.filter_width)
-    return ["stop rule", "time limit", "samples", "thresholds", "seed", "pixel filter"]
+    _copy_denoising(cycles, "", iwis)
+    _copy_denoising(cycles, "preview_", iwis.viewport)
+    iwis.viewport.denoise_start = _within("max_samples", cycles.preview_denoising_start_sample)
+    for layer in scene.view_layers:
+        layer.iwis.use_denoising = layer.cycles.use_denoising
+        layer.iwis.use_pass_denoising_data = layer.cycles.denoising_store_passes
+    names = ["stop rule", "time limit", "samples", "thresholds", "seed", "pixel filter"]
+    return [*names, "denoising"]
+
+
+def _copy_denoising(cycles, prefix: str, own) -> None:
+    """prefix: of Cycles' names; own: ``scene.iwis``, or ``scene.iwis.viewport``"""
+    own.denoise = getattr(cycles, f"use_{prefix}denoising")
+    own.denoise_passes = _DENOISE_PASSES[getattr(cycles, f"{prefix}denoising_input_passes")]
+    own.denoise_prefilter = getattr(cycles, f"{prefix}denoising_prefilter")
+    own.denoise_quality = getattr(cycles, f"{prefix}denoising_quality")
 
 
 def _threshold(cycles_threshold: float) -> float:
@@ -72,7 +88,7 @@ def compare_with_cycles(scene, samples: int) -> Comparison:
         raise ValueError("Cycles is disabled: enable it in Preferences, Add-ons, to compare")
     wanted = [(scene.render, name, value) for name, value in _RENDER.items()]
     wanted += [(scene.cycles, name, value) for name, value in _CYCLES.items()]
-    wanted.append((scene.cycles, "samples", samples))
+    wanted += [(scene.cycles, "samples", samples), (scene.iwis, "denoise", False)]
     kept = [(owner, name, getattr(owner, name)) for owner, name, _ in wanted]
     kept.append((scene.render, "engine", scene.render.engine))
     try:

@@ -25,4 +25,5 @@ class NumberFilm:
         """Take what is of interest of a tile."""
         x, y = tile.x - self.region[0], tile.y - self.region[1]
         for name, pixels in self.layers.items():
-            pixels[y : y + tile.height, x : x + tile.width] = tile.layers[name][..., 0]
+            if name in tile.layers:
+                pixels[y : y + tile.height, x : x + tile.width] = tile.layers[name][..., 0]

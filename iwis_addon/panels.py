@@ -8,6 +8,7 @@ import bpy
 
 from .job import ENGINE
 from .panel_base import IWISPanel
+from .panels_denoise import draw_denoise
 from .preferences import add_on_preferences, cache_dir
 from .sampling_presets import IWIS_PT_sampling_presets
 
@@ -84,6 +85,7 @@ class IWIS_PT_sampling_viewport(IWISPanel, bpy.types.Panel):
         column.prop(own, "error_threshold")
         column.prop(own, "max_samples")
         layout.prop(own, "pixel_filter")
+        draw_denoise(layout, context, own)
         layout.prop(own, "overlay")
 
 
@@ -103,6 +105,7 @@ class IWIS_PT_sampling_render(IWISPanel, bpy.types.Panel):
             row.active = iwis.stop_rule != "FIXED"
             row.prop(iwis, "error_threshold")
         column.prop(iwis, "max_samples")
+        draw_denoise(layout, context, iwis)
 
 
 class IWIS_PT_sampling_advanced(IWISPanel, bpy.types.Panel):

@@ -11,7 +11,7 @@ from bl_ui.properties_view_layer import (
 )
 
 from .panel_base import IWISPanel
-from .passes import MATTES, TABLE
+from .passes import DENOISING_DATA, MATTES, TABLE
 
 
 class _PassesPanel(IWISPanel):
@@ -21,10 +21,10 @@ class _PassesPanel(IWISPanel):
 
     def draw(self, context):
         column = self.split_layout().column()
-        for row in TABLE:
-            if row.flag and row.group == self.group:
-                owner = context.view_layer.iwis if row.owned else context.view_layer
-                column.prop(owner, row.flag)
+        rows = [row for row in (*TABLE, *DENOISING_DATA) if row.flag and row.group == self.group]
+        for row in {row.flag: row for row in rows}.values():
+            owner = context.view_layer.iwis if row.owned else context.view_layer
+            column.prop(owner, row.flag)
 
 
 class IWIS_PT_passes_data(_PassesPanel, bpy.types.Panel):
@@ -69,6 +69,19 @@ class IWIS_PT_passes_light_groups(IWISPanel, ViewLayerLightgroupsPanelHelper, bp
     bl_parent_id = "VIEWLAYER_PT_layer_passes"
 
 
+class IWIS_PT_layer_denoising(IWISPanel, bpy.types.Panel):
+    """Blender's own panel of a view layer knows of no denoiser"""
+
+    bl_label = "Denoising"
+    bl_context = "view_layer"
+    bl_parent_id = "VIEWLAYER_PT_layer"
+
+    def draw(self, context):
+        layout = self.split_layout()
+        layout.active = context.scene.iwis.denoise
+        layout.prop(context.view_layer.iwis, "use_denoising")
+
+
 class IWIS_PT_override(IWISPanel, bpy.types.Panel):
     bl_label = "Override"
     bl_context = "view_layer"
@@ -87,6 +100,7 @@ CLASSES = (
     IWIS_PT_passes_iwis,
     IWIS_PT_passes_aov,
     IWIS_PT_passes_light_groups,
+    IWIS_PT_layer_denoising,
     IWIS_PT_override,
 )
 

@@ -104,6 +104,8 @@ def statistics_rows(frame: int, stats) -> list[tuple[str, str]]:
         ("Time", clock(sum(seconds.values()))),
     ]
     names = {"export": "Export", "tables": "Light", "bvh": "BVH", "sampling": "Sampling"}
+    if seconds["denoising"]:
+        names["denoising"] = "Denoising"
     names["output"] = "Output"
     rows += [(f"    {names[phase]}", clock(seconds[phase])) for phase in names]
     rows += [

@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 
 from ..core.asked_passes import channels_of
+from ..core.denoise import DATA_LAYERS, NOISY
 from ..core.film import LAYERS
 
 NAMES_OF_5 = bpy.app.version >= (5, 0, 0)
@@ -21,7 +22,7 @@ NAMES_OF_5 = bpy.app.version >= (5, 0, 0)
 class Pass:
     """One row of TABLE.
 
-    layer: name in core.film.LAYERS
+    layer: name in core.film.LAYERS; mattes and what the denoiser knows have others
     name: what Blender, its compositor and its EXR files call it
     channel_ids: one letter a channel; kind: COLOR, VECTOR or VALUE, the socket's type
     flag: property of the view layer that asks for it, or of `view_layer.iwis`; "" = always there
@@ -55,8 +56,9 @@ class Pass:
 
 
 def _row(layer, name, channel_ids, kind, flag, group, name_in_4=None):
-    if len(channel_ids) != LAYERS[layer]:
-        raise ValueError(f"pass {name}: {channel_ids} are not {LAYERS[layer]} channels")
+    channels = (LAYERS | DATA_LAYERS)[layer]
+    if len(channel_ids) != channels:
+        raise ValueError(f"pass {name}: {channel_ids} are not {channels} channels")
     return Pass(layer, name if NAMES_OF_5 else name_in_4 or name, channel_ids, kind, flag, group)
 
 
@@ -67,6 +69,7 @@ OWN_FLAGS = (
     "use_pass_visibility",
     "use_pass_shadow_catcher",
     "use_pass_sample_count",
+    "use_pass_denoising_data",
 )
 
 # fmt: off
@@ -100,6 +103,14 @@ TABLE = (
     _row("sample_count", "Debug Sample Count", "X", "VALUE", "use_pass_sample_count", "IWIS"),
 )
 # fmt: on
+_DATA = "use_pass_denoising_data", "DATA"
+DENOISING_DATA = (
+    _row("denoising_normal", "Denoising Normal", "XYZ", "VECTOR", *_DATA),
+    _row("denoising_albedo", "Denoising Albedo", "RGB", "COLOR", *_DATA),
+    _row("denoising_depth", "Denoising Depth", "Z", "VALUE", *_DATA),
+)
+# There where the picture is denoised, as in Cycles.
+NOISY_IMAGE = Pass(NOISY, "Noisy Image", "RGBA", "COLOR", "", "DATA")
 
 # Kinds of Cryptomatte, each as many passes as the view layer's levels ask for -> their flags.
 MATTES = {
@@ -111,13 +122,21 @@ MATTES = {
 _GROUP, _AOV = "light_group:", "aov:"  # what layers of light groups and AOVs begin with
 
 
-def wanted_passes(view_layer) -> list[Pass]:
-    """The passes that the view layer asks for: of TABLE, its mattes, AOVs and light groups."""
-    rows = [row for row in TABLE if row.wanted(view_layer)]
+def wanted_passes(scene, view_layer) -> list[Pass]:
+    """The passes of a view layer: what it asks for, its mattes, AOVs and light groups, and what
+    denoising adds."""
+    rows = [row for row in (*TABLE, *DENOISING_DATA) if row.wanted(view_layer)]
+    if is_denoised(scene, view_layer):
+        rows.append(NOISY_IMAGE)
     for kind in wanted_mattes(view_layer):
         rows += matte_passes(kind, channels_of(view_layer.pass_cryptomatte_depth))
     rows += [aov_pass(aov.name, 4 if aov.type == "COLOR" else 1) for aov in wanted_aovs(view_layer)]
     return rows + [group_pass(group.name) for group in view_layer.lightgroups]
+
+
+def is_denoised(scene, view_layer) -> bool:
+    """Whether a final render of the view layer is to be denoised."""
+    return scene.iwis.denoise and view_layer.iwis.use_denoising
 
 
 def wanted_mattes(view_layer) -> list[str]:
@@ -166,31 +185,31 @@ def aov_pass(name: str, channels: int) -> Pass:
 
 
 def passes_of(layers: dict) -> list[Pass]:
-    """All that a film's layers have: of TABLE, mattes, AOVs and light groups."""
-    mattes = []
+    """All that a film's layers have: of TABLE, of denoising, mattes, AOVs and light groups."""
+    rows = [row for row in (*DENOISING_DATA, NOISY_IMAGE) if row.layer in layers]
     for kind in MATTES:
         if matte_layer(kind) in layers:
-            mattes += matte_passes(kind, layers[matte_layer(kind)].shape[2])
+            rows += matte_passes(kind, layers[matte_layer(kind)].shape[2])
     names = [layer.removeprefix(_GROUP) for layer in layers if layer.startswith(_GROUP)]
     aovs = [
         aov_pass(layer.removeprefix(_AOV), pixels.shape[2])
         for layer, pixels in layers.items()
         if layer.startswith(_AOV)
     ]
-    return [*TABLE, *mattes, *aovs, *map(group_pass, names)]
+    return [*TABLE, *rows, *aovs, *map(group_pass, names)]
 
 
 def register_passes(engine, scene, view_layer) -> None:
     """Tell Blender which sockets the view layer's Render Layers node has."""
-    for row in wanted_passes(view_layer):
+    for row in wanted_passes(scene, view_layer):
         engine.register_pass(
             scene, view_layer, row.name, len(row.channel_ids), row.channel_ids, row.kind
         )
 
 
-def add_passes(engine, view_layer) -> list[Pass]:
+def add_passes(engine, scene, view_layer) -> list[Pass]:
     """Add the wanted passes to the render result; Combined is there already. Return all of them."""
-    rows = wanted_passes(view_layer)
+    rows = wanted_passes(scene, view_layer)
     for row in rows:
         if row.layer != "combined":
             engine.add_pass(row.name, len(row.channel_ids), row.channel_ids, layer=view_layer.name)

@@ -4,6 +4,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 from ..core.settings import CHOICES, LIMITS, RenderSettings
+from .denoise_properties import choice, switch
 from .viewport_properties import IWISViewportProperties
 
 _DEFAULTS = RenderSettings()
@@ -49,7 +50,8 @@ def _update_passes(self, _context):
 
 
 class IWISSceneProperties(bpy.types.PropertyGroup):
-    """The fields of RenderSettings under the same names, and what only Blender's side needs."""
+    """The fields of RenderSettings and DenoiseSettings under the same names, and what only
+    Blender's side needs."""
 
     error_threshold: FloatProperty(
         **_number(
@@ -154,11 +156,20 @@ class IWISSceneProperties(bpy.types.PropertyGroup):
         default=False,
         options=set(),
     )
+    denoise: BoolProperty(
+        **switch(
+            description="Take the noise out of the finished picture with Open Image Denoise",
+            update=_update_passes,
+        )
+    )
+    denoise_passes: EnumProperty(**choice("denoise_passes"))
+    denoise_prefilter: EnumProperty(**choice("denoise_prefilter"))
+    denoise_quality: EnumProperty(**choice("denoise_quality"))
     viewport: PointerProperty(type=IWISViewportProperties)
 
 
 class IWISViewLayerProperties(bpy.types.PropertyGroup):
-    """Which of IWIS' own passes a view layer has."""
+    """Which of IWIS' own passes a view layer has, and whether it is denoised."""
 
     use_pass_samples: BoolProperty(
         name="Samples",
@@ -194,6 +205,18 @@ class IWISViewLayerProperties(bpy.types.PropertyGroup):
         name="Sample Count",
         description="Samples of each pixel divided by Max Samples, as Cycles writes it",
         default=False,
+        update=_update_passes,
+    )
+    use_pass_denoising_data: BoolProperty(
+        name="Denoising Data",
+        description="Albedo, normal and depth, for a denoiser after the render",
+        default=False,
+        update=_update_passes,
+    )
+    use_denoising: BoolProperty(
+        name="Denoising",
+        description="Denoise this view layer, where the scene is denoised",
+        default=True,
         update=_update_passes,
     )
 

@@ -10,19 +10,21 @@ import threading
 
 import bpy
 
+from ..core.denoise import Denoising
 from ..core.film import Film
 from ..core.scene import Scene
 from ..core.stats import RenderStats
 from . import dependencies, stereo
+from .denoiser import denoising
 from .export import ExportCancelled, export_scene
 from .export.motion import export_in_motion
 from .job import RenderJob, RenderRecord
 from .manifest import stamp_mattes
 from .number_film import NumberFilm
 from .output import check_room
-from .passes import add_passes
+from .passes import add_passes, is_denoised
 from .preferences import share_cache_dir
-from .settings import render_settings
+from .settings import denoise_settings, render_settings
 from .sink import BlenderSink
 from .worker import run_in_worker
 
@@ -56,6 +58,8 @@ class FinalRender:
         """Copy all that the picture needs out of Blender; self.scene stays None after a cancel."""
         scene = depsgraph.scene_eval
         self.settings = render_settings(scene)
+        self._denoising = _denoising(scene, depsgraph.view_layer_eval)
+        self._data = depsgraph.view_layer_eval.iwis.use_pass_denoising_data
         share_cache_dir()
         threading.Thread(target=_load_core, args=(self.settings,), name="iwis-load").start()
         self._keep_film = scene.iwis.keep_film
@@ -74,7 +78,7 @@ class FinalRender:
 
     def run(self, depsgraph) -> None:
         """Render and deliver every view; deliver what is done after a cancel."""
-        rows = add_passes(self.engine, depsgraph.view_layer_eval)
+        rows = add_passes(self.engine, depsgraph.scene_eval, depsgraph.view_layer_eval)
         for view in result_views(self.engine):
             if self.scene is None or self._cancelled():
                 self._record(view, RenderStats(cancelled=True), output_seconds=0.0)
@@ -129,7 +133,12 @@ class FinalRender:
 
         if relay.cancelled():  # Blender's thread may be gone; leave its next render's cache alone
             return RenderStats(cancelled=True)
-        return render(scene, self.settings, relay, self.job.render_cache())
+        cache = self.job.render_cache()
+        if not self._denoising.settings.denoise and not self._data:
+            return render(scene, self.settings, relay, cache)
+        from ..core.denoised_render import render_denoised
+
+        return render_denoised(scene, self.settings, self._denoising, self._data, relay, cache)
 
     def _record(self, view, stats, output_seconds):
         if not any(r.frame == self.frame and r.layer == self.layer for r in self.job.records):
@@ -147,6 +156,11 @@ class FinalRender:
         """
         deliver_empty(self.engine, self.layer, self.delivered)
         self.job.mark_rendered()
+
+
+def _denoising(scene, view_layer) -> Denoising:
+    wanted = denoise_settings(scene.iwis)
+    return denoising(dataclasses.replace(wanted, denoise=is_denoised(scene, view_layer)))
 
 
 def deliver_empty(engine, layer: str, delivered: set[str]) -> None:

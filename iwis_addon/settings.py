@@ -1,10 +1,10 @@
-"""Blender's properties -> RenderSettings: the only file that knows both vocabularies."""
+"""Blender's properties -> the settings of the core: the only file that knows both vocabularies."""
 
 from __future__ import annotations
 
 import dataclasses
 
-from ..core.settings import LIMITS, RenderSettings
+from ..core.settings import LIMITS, DenoiseSettings, RenderSettings
 from .preferences import cache_dir
 from .properties import NOT_ON_SCENE
 
@@ -35,6 +35,12 @@ def viewport_settings(scene) -> RenderSettings:
     )
 
 
+def denoise_settings(owner) -> DenoiseSettings:
+    """What is to become of the noise. owner: ``scene.iwis``, or ``scene.iwis.viewport``"""
+    fields = dataclasses.fields(DenoiseSettings)
+    return DenoiseSettings(**{field.name: getattr(owner, field.name) for field in fields})
+
+
 def _as_typed(value):
     """Blender's floats are float32: 0.1 comes as 0.10000000149, but means 0.1."""
     return float(f"{value:.7g}") if isinstance(value, float) else value
@@ -47,8 +53,8 @@ def _blender_threads(scene) -> int:
     return min(scene.render.threads, LIMITS["threads"][1])
 
 
-def apply_settings(scene, settings: RenderSettings, names) -> None:
-    """Write the named settings to the scene, as if a user had set them in the panel."""
+def apply_settings(scene, settings: RenderSettings | DenoiseSettings, names) -> None:
+    """Write those of the named settings that are its own, as if a user had set them."""
     for name in names:
-        if name not in NOT_ON_SCENE:
+        if name not in NOT_ON_SCENE and hasattr(settings, name):
             setattr(scene.iwis, name, getattr(settings, name))

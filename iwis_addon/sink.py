@@ -6,6 +6,7 @@ import time
 from collections.abc import Sequence
 
 import bpy
+import numpy as np
 
 from ..core.film import Progress, Tile
 from ..core.settings import RenderSettings
@@ -19,6 +20,7 @@ _PHASE_TEXTS = {
     "tables": "Preparing the light",
     "bvh": "Building BVH",
     "sampling": "Sampling",
+    "denoising": "Denoising",
 }
 
 
@@ -60,12 +62,27 @@ class BlenderSink:
         for row in self._rows:
             # foreach_set of float32: assigning to rect is some hundred times slower.
             target = passes.find_by_name(row.name, self._view)
-            target.rect.foreach_set(row.pixels(tile.layers).ravel())
+            target.rect.foreach_set(self._pixels(row, tile).ravel())
         self._engine.end_result(result)
         for film in self._films:
             film.write_tile(tile)
         self.tiles_written += 1
         self.output_seconds += time.perf_counter() - started
+
+    def _pixels(self, row: Pass, tile: Tile):
+        """A pass of a tile, float32 (h, w, channels): as it is shown, where the tile has none.
+
+        Blender empties what the new result of a part does not bring.
+        """
+        if row.layer in tile.layers:
+            return row.pixels(tile.layers)
+        result = self._engine.get_result()
+        layer = next(layer for layer in result.layers if layer.name == self._layer)
+        x0, y0, x1, y1 = self._region
+        whole = np.empty((y1 - y0, x1 - x0, len(row.channel_ids)), np.float32)
+        layer.passes.find_by_name(row.name, self._view).rect.foreach_get(whole.ravel())
+        x, y = tile.x - x0, tile.y - y0
+        return whole[y : y + tile.height, x : x + tile.width]
 
     def progress(self, progress: Progress) -> None:
         now = time.perf_counter()

@@ -1,9 +1,10 @@
 """What a user sets for the rendered view alone: `scene.iwis.viewport`."""
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from ..core.settings import LIMITS
+from .denoise_properties import VIEW_DEFAULTS, choice, switch
 
 OVERLAYS = (
     ("COMBINED", "Combined", "The picture"),
@@ -52,6 +53,26 @@ class IWISViewportProperties(bpy.types.PropertyGroup):
             ("BLACKMAN_HARRIS", "Blackman-Harris", "As Cycles has it by default"),
         ],
         default="CENTER",
+        update=_redraw_views,
+    )
+    denoise: BoolProperty(
+        **switch(
+            description="Take the noise out of the pictures of the rendered view, once fine",
+            update=_redraw_views,
+        )
+    )
+    denoise_passes: EnumProperty(**choice("denoise_passes", VIEW_DEFAULTS, update=_redraw_views))
+    denoise_prefilter: EnumProperty(
+        **choice("denoise_prefilter", VIEW_DEFAULTS, update=_redraw_views)
+    )
+    denoise_quality: EnumProperty(**choice("denoise_quality", VIEW_DEFAULTS, update=_redraw_views))
+    denoise_start: IntProperty(
+        name="Start Sample",
+        description="The samples that a pixel has taken before the view is denoised",
+        default=1,
+        min=0,
+        max=LIMITS["max_samples"][1],
+        soft_max=1024,
         update=_redraw_views,
     )
     overlay: EnumProperty(

@@ -6,7 +6,7 @@ from ..iwis_addon.cycles_settings import copy_cycles_settings
 
 
 class IWIS_OT_copy_cycles_settings(bpy.types.Operator):
-    """Take samples, thresholds, time limit, seed and pixel filter over from Cycles' settings"""
+    """Take samples, thresholds, time limit, seed, filter and denoising from Cycles' settings"""
 
     bl_idname = "iwis.copy_cycles_settings"
     bl_label = "Copy Cycles Settings"

@@ -48,7 +48,7 @@ MAY_IMPORT_OF_CORE = {
         "nodes/world_map",
     },
     "iwis_addon/settings.py": {"scene", "settings", "film"},
-    "iwis_addon/passes.py": {"scene", "settings", "film", "asked_passes"},
+    "iwis_addon/passes.py": {"scene", "settings", "film", "asked_passes", "denoise"},
 }
 
 

@@ -49,6 +49,7 @@ def test_help_and_version_need_no_blender():
     done = iwis("render", "--help")
     assert done.returncode == 0
     assert all(name in done.stdout for name in RenderSettings.__dataclass_fields__)
+    assert "denoise_quality" in done.stdout
     assert iwis("--help").returncode == 0
     assert iwis("--version").stdout.startswith("iwis ")
 
@@ -94,7 +95,7 @@ def test_one_frame_with_figures(blend, tmp_path):
     hits = (layers["ViewLayer.IWIS Samples"] > 0).sum()
     assert figures["samples"] == {"total": 6 * hits, "mean": 6.0, "max": 6}
     assert figures["shaded_pixels"] == hits and figures["primary_rays"] == 20 * 16
-    phases = {"export", "tables", "bvh", "sampling", "output"}
+    phases = {"export", "tables", "bvh", "sampling", "denoising", "output"}
     assert set(figures["seconds"]) == set(figures["cpu_seconds"]) == phases
     assert figures["peak_memory_bytes"] > 1e7 and not figures["cancelled"]
     assert "frame 3: 20x16, 6.0 samples a pixel (at most 6)" in done.stdout

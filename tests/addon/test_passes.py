@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from iwis.core.film import LAYERS
-from iwis.iwis_addon.passes import OWN_FLAGS, TABLE
+from iwis.iwis_addon.passes import DENOISING_DATA, OWN_FLAGS, TABLE
 from support.cycles_render import render_cycles
 from support.iwis_render import render_iwis
 
@@ -65,7 +65,7 @@ def test_table_covers_the_film():
     """Every layer of the film is a pass, once; every flag of the add-on is used."""
     assert sorted(row.layer for row in TABLE) == sorted(LAYERS)
     assert len({row.name for row in TABLE}) == len(TABLE)
-    assert {row.flag for row in TABLE if row.owned} == set(OWN_FLAGS)
+    assert {row.flag for row in (*TABLE, *DENOISING_DATA) if row.owned} == set(OWN_FLAGS)
 
 
 def test_names_and_channels():

@@ -4,11 +4,20 @@ import dataclasses
 
 import pytest
 
-from iwis.core.settings import CHOICES, LIMITS, RenderSettings
+import iwis
+from iwis.core.settings import (
+    CHOICES,
+    DENOISE_CHOICES,
+    LIMITS,
+    DenoiseSettings,
+    RenderSettings,
+)
 from iwis.iwis_addon import settings as addon_settings
 from iwis.iwis_addon.properties import NOT_ON_SCENE
 
-FIELDS = {field.name: field for field in dataclasses.fields(RenderSettings)}
+DENOISE = {field.name: field for field in dataclasses.fields(DenoiseSettings)}
+FIELDS = {field.name: field for field in dataclasses.fields(RenderSettings)} | DENOISE
+ALL_CHOICES = CHOICES | DENOISE_CHOICES
 
 
 @pytest.mark.parametrize("name", FIELDS)
@@ -20,9 +29,11 @@ def test_every_setting_has_a_property(scene, name):
         return
     rna = scene.iwis.bl_rna.properties[name]
     assert rna.description
-    if name in CHOICES:
+    if name in ALL_CHOICES:
         assert rna.default == FIELDS[name].default
-        assert tuple(item.identifier for item in rna.enum_items) == CHOICES[name]
+        assert tuple(item.identifier for item in rna.enum_items) == ALL_CHOICES[name]
+    elif FIELDS[name].type == "bool":
+        assert rna.type == "BOOLEAN" and rna.default == FIELDS[name].default
     else:
         assert rna.default == pytest.approx(FIELDS[name].default, rel=1e-7)  # float32
         assert (rna.hard_min, rna.hard_max) == pytest.approx(LIMITS[name], rel=1e-7)  # float32
@@ -39,6 +50,7 @@ def test_defaults_survive_the_way_through_blender(scene):
     scene.render.threads_mode = "AUTO"
     got = addon_settings.render_settings(scene)
     assert dataclasses.replace(got, cache_dir="") == RenderSettings()
+    assert addon_settings.denoise_settings(scene.iwis) == DenoiseSettings()
 
 
 def test_values_arrive(scene):
@@ -48,6 +60,18 @@ def test_values_arrive(scene):
     got = addon_settings.render_settings(scene)
     assert (got.error_threshold, got.max_samples, got.batch_size) == (0.0, 7, 16)
     assert (got.estimator, got.stop_rule, got.seed) == ("PAPER", "FIXED", 5)
+
+
+def test_the_denoisers_settings_arrive(scene):
+    """Those of a render and those of the rendered view, which has Cycles' defaults."""
+    view = addon_settings.denoise_settings(scene.iwis.viewport)
+    quick = {"denoise_prefilter": "FAST", "denoise_quality": "BALANCED"}
+    assert view == DenoiseSettings(denoise_passes="ALBEDO", **quick)
+    iwis.settings(scene, denoise=True, denoise_passes="NONE", max_samples=9)
+    got = addon_settings.denoise_settings(scene.iwis)
+    assert got == DenoiseSettings(denoise=True, denoise_passes="NONE")
+    assert scene.iwis.max_samples == 9
+    assert addon_settings.denoise_settings(scene.iwis.viewport) == view
 
 
 def test_absurd_values_stop_at_the_limits(scene):

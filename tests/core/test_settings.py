@@ -5,7 +5,14 @@ import math
 
 import pytest
 
-from iwis.core.settings import CHOICES, LIMITS, RenderSettings
+from iwis.core.settings import (
+    CHOICES,
+    DENOISE_CHOICES,
+    LIMITS,
+    DenoiseSettings,
+    RenderSettings,
+    settings_from_strings,
+)
 
 
 def test_defaults_are_those_documented():
@@ -67,6 +74,15 @@ def test_unknown_choices_are_refused_with_those_there_are(name):
         RenderSettings(**{name: "HUGE"})
 
 
+@pytest.mark.parametrize("name", DENOISE_CHOICES)
+def test_unknown_choices_of_the_denoiser_are_refused(name):
+    """As those of sampling."""
+    with pytest.raises(ValueError, match=f"setting {name}: 'HUGE' is none of"):
+        DenoiseSettings(**{name: "HUGE"})
+    with pytest.raises(ValueError, match="setting denoise: 1 is neither True nor False"):
+        DenoiseSettings(denoise=1)
+
+
 def test_a_list_is_no_choice():
     """Something that cannot be hashed or compared is refused like the rest."""
     with pytest.raises(ValueError, match="setting estimator"):
@@ -74,15 +90,18 @@ def test_a_list_is_no_choice():
 
 
 def test_from_strings_reads_every_kind():
-    """Whole numbers, numbers, choices in any case, paths as they are."""
-    settings = RenderSettings.from_strings(
+    """Whole numbers, numbers, choices in any case, paths as they are, yes and no."""
+    settings, denoise = settings_from_strings(
         {
             "max_samples": "12",
             "error_threshold": "5e-2",
             "estimator": "paper",
             "cache_dir": "/Tmp/Mixed Case",
+            "denoise": "true",
+            "denoise_quality": "fast",
         }
     )
+    assert denoise == DenoiseSettings(denoise=True, denoise_quality="FAST")
     assert settings == RenderSettings(
         max_samples=12, error_threshold=0.05, estimator="PAPER", cache_dir="/Tmp/Mixed Case"
     )
@@ -97,13 +116,14 @@ def test_from_strings_reads_every_kind():
         ({"error_threshold": "low"}, "setting error_threshold: 'low' is not a number"),
         ({"error_threshold": "nan"}, "setting error_threshold: nan is outside"),
         ({"threads": "1000000"}, "setting threads: 1000000 is outside 0 ... 1024"),
+        ({"denoise": "yes please"}, "setting denoise: 'yes please' is neither True nor False"),
         ({"stop_rule": "never"}, "setting stop_rule: 'NEVER' is none of PERCEPTUAL, PAPER, FIXED"),
     ],
 )
 def test_from_strings_names_what_is_wrong(pairs, message):
     """One message with the setting, the value and what would do."""
     with pytest.raises(ValueError, match=message):
-        RenderSettings.from_strings(pairs)
+        settings_from_strings(pairs)
 
 
 def test_absurd_but_legal_settings_are_taken():

@@ -1,0 +1,56 @@
+"""Where Blender keeps Open Image Denoise. An engine written in Python has no other way to it.
+
+blender.org's builds and the bpy module bring the library; a distribution's Blender may do without.
+"""
+
+from __future__ import annotations
+
+import ctypes.util
+import functools
+from pathlib import Path
+
+import bpy
+
+from ..core.denoise import Denoising
+from ..core.oidn import load_library
+from ..core.settings import DenoiseSettings
+
+# Beside Blender's folder of scripts: Linux and macOS, Windows, Windows' bpy module.
+_FOLDERS = ("lib", "blender.shared", "")
+_NAMES = ("libOpenImageDenoise.*", "OpenImageDenoise.dll")
+
+
+def denoising(settings: DenoiseSettings) -> Denoising:
+    """What the core takes, with the library where one is needed."""
+    return Denoising(settings, *find_library()) if settings.denoise else Denoising(settings)
+
+
+@functools.cache
+def find_library() -> tuple[str, str]:
+    """Path of the library, and why there is none where it is empty: one line for the user."""
+    problem = (
+        "this Blender comes without Open Image Denoise: use one of blender.org, or install the "
+        "system's library"
+    )
+    for path in _library_paths():
+        try:
+            load_library(path)
+            return path, ""
+        except OSError as error:
+            problem = f"Open Image Denoise does not load: {error}"
+    return "", problem
+
+
+def _library_paths() -> list[str]:
+    """Blender's own first; what Blender has loaded already is found by its name alone."""
+    known = [bpy.utils.resource_path(kind) for kind in ("LOCAL", "SYSTEM")]
+    known.append(bpy.app.binary_path)
+    found = [
+        str(path)
+        for root in dict.fromkeys(Path(place).resolve().parent for place in known if place)
+        for folder in _FOLDERS
+        for name in _NAMES
+        for path in sorted((root / folder).glob(name))
+    ]
+    system = ctypes.util.find_library("OpenImageDenoise")
+    return [*found, system] if system else found
