@@ -16,7 +16,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     bump, stretched, lobes, cell_numbers, shapes
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
-    voronoi_cells, cryptomatte, light_groups, posed_lamps
+    voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, sample_order, measured, lobe_setup, embree_instances

@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .denoise import Guided
 from .film import LAYERS
 from .render import make_tile, worker_count
 from .render_cache import RenderCache
@@ -27,6 +28,7 @@ from .settings import RenderSettings
 from .tile_job import Job, TileWork
 from .tiles import tile_rects
 from .turns import Turns
+from .view_denoiser import ViewDenoiser
 from .watch import Cancelled, StopFlag
 
 # Pixels of the frame to either side of one pixel of a picture, the finest first.
@@ -100,12 +102,14 @@ def render_progressive(
     pace: Pace,
     restart: StopFlag,
     close: StopFlag,
+    denoiser: ViewDenoiser | None = None,
 ) -> None:
     """Show pictures, each better than the last, until the last is converged.
 
     show is called by this thread. ``restart`` ends the work once a picture was shown: somebody who
     drags an object for a minute is to see it move. ``close`` ends it at once. Estimator UNBIASED
-    only: the paper's tables would take longer than anybody waits for.
+    only: the paper's tables would take longer than anybody waits for. denoiser: of the pictures of
+    the frame's own pixels, where it is due.
     Raises watch.Cancelled where ``close`` ended the building of the BVH.
     """
     settings = dataclasses.replace(settings, estimator="UNBIASED")
@@ -130,7 +134,7 @@ def render_progressive(
         except Cancelled:
             return
         job = Job(scene, settings, accel, light, None, _points(settings), stop, seen)
-        _Rounds(job, last, show).run()
+        _Rounds(job, last, show, denoiser or ViewDenoiser()).run()
 
 
 def _points(settings: RenderSettings) -> np.ndarray:
@@ -159,15 +163,20 @@ def _coarse_picture(job: Job, step: int, pace: Pace) -> Picture:
     started = time.perf_counter()
     region = job.scene.camera.region
     picture = Picture(step, region, _new_layers(region), 0.0, False)
-    for _ in _advance(_works(job), _COARSE_SAMPLES, picture, job):
+    for _ in _advance(_works(job), _COARSE_SAMPLES, picture.layers, job):
         pass
     if not job.stop.is_set():
         pace.note(picture.layers["samples"].size, time.perf_counter() - started)
     return picture
 
 
-def _advance(works: list[TileWork], samples: int, picture: Picture, job: Job) -> Iterator[bool]:
-    """Take tiles on in threads, write each into the picture; yield whether each is done."""
+def _advance(
+    works: list[TileWork], samples: int, layers: dict, job: Job, guided: Guided | None = None
+) -> Iterator[bool]:
+    """Take tiles on in threads, write each into the layers; yield whether each is done.
+
+    guided: of the same picture; None: nobody wants it
+    """
     waiting, finished = queue.SimpleQueue(), queue.SimpleQueue()
     count = min(worker_count(job.settings), len(works))
     turns = Turns(count)
@@ -180,7 +189,7 @@ def _advance(works: list[TileWork], samples: int, picture: Picture, job: Job) ->
                 work = waiting.get_nowait()
                 with turns.taken():
                     done = work.advance(samples)
-                    _write(work, picture)
+                    _write(work, layers, job.scene, guided)
                     work.rest()
                 finished.put((work, done))
         except queue.Empty:
@@ -205,41 +214,62 @@ def _advance(works: list[TileWork], samples: int, picture: Picture, job: Job) ->
             yield result
 
 
-def _write(work: TileWork, picture: Picture) -> None:
+def _write(work: TileWork, layers: dict, scene: Scene, guided: Guided | None) -> None:
     tile = work.develop()
-    x, y = tile.x - picture.region[0], tile.y - picture.region[1]
+    x, y = tile.x - scene.camera.region[0], tile.y - scene.camera.region[1]
     for name in SHOWN:
-        picture.layers[name][y : y + tile.height, x : x + tile.width] = tile.layers[name]
+        layers[name][y : y + tile.height, x : x + tile.width] = tile.layers[name]
+    if guided is not None:
+        guided.take(Guided.of_layers(tile.layers, scene), x, y)
 
 
 class _Rounds:
     """The frame's own pixels, round after round."""
 
-    def __init__(self, job: Job, coarse: Picture | None, show):
-        self._job, self._show = job, show
+    def __init__(self, job: Job, coarse: Picture | None, show, denoiser: ViewDenoiser):
+        self._job, self._show, self._denoiser = job, show, denoiser
         self._layers = _new_layers(job.scene.camera.region)
+        self._guided = None
+        if denoiser.begin():
+            height, width = self._layers["combined"].shape[:2]
+            self._guided = Guided.empty(width, height)
         if coarse is not None:
             _enlarge(coarse, job.scene.camera.region, self._layers)
         self._shown_at = time.perf_counter()
 
     def run(self) -> None:
         """See render_progressive."""
-        works, most = _works(self._job), self._job.settings.max_samples
+        job, most, works = self._job, self._job.settings.max_samples, _works(self._job)
         rounds = [1 << k for k in range(3, max(math.ceil(math.log2(most)), 3))] + [most]
         for number, samples in enumerate(rounds):
             going = []
-            for work, done in _advance(works, samples, self._picture(number, rounds), self._job):
+            for work, done in _advance(works, samples, self._layers, job, self._guided):
                 if not done:
                     going.append(work)
-                if time.perf_counter() - self._shown_at > _SECONDS_BETWEEN_PICTURES:
+                waited = time.perf_counter() - self._shown_at
+                if waited > _SECONDS_BETWEEN_PICTURES and not self._denoiser.shows:
                     self._tell(self._picture(number, rounds))
-            if self._job.stop.is_set():
+            if job.stop.is_set():
                 return
             works = going
             if not works:
                 break
-            self._tell(self._picture(number + 1, rounds))
-        self._tell(self._picture(len(rounds), rounds)._replace(converged=True))
+            self._end_round(self._picture(number + 1, rounds), samples)
+        last = self._picture(len(rounds), rounds)._replace(converged=True)
+        self._tell(last if self._guided is None else self._denoised(last, most))
+
+    def _end_round(self, picture: Picture, samples: int) -> None:
+        """Show it, denoised where that is due; with noise only if no other one was shown."""
+        if self._guided is not None and self._denoiser.due(samples):
+            self._tell(self._denoised(picture, samples))
+        elif not self._denoiser.shows:
+            self._tell(picture)
+
+    def _denoised(self, picture: Picture, samples: int) -> Picture:
+        job = self._job
+        own = self._guided, job.scene, job.settings, worker_count(job.settings), samples
+        combined = self._denoiser.take(*own, lambda fraction: not job.stop.is_set())
+        return picture._replace(layers={**picture.layers, "combined": combined})
 
     def _picture(self, number, rounds) -> Picture:
         region = self._job.scene.camera.region

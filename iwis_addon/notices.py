@@ -44,7 +44,8 @@ def last_lines() -> list[str]:
         for record in RenderJob.current.records:
             lines += record.stats.warnings
     for viewport in living():
-        lines += [line for line in viewport.warnings if line not in lines]
+        told = [*viewport.warnings, viewport.thread.denoiser.problem]
+        lines += [line for line in told if line and line not in lines]
     return lines
 
 

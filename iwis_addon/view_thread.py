@@ -8,8 +8,10 @@ import time
 import weakref
 from collections.abc import Callable
 
+from ..core.denoise import Denoising
 from ..core.scene import Scene
 from ..core.settings import RenderSettings
+from ..core.view_denoiser import ViewDenoiser
 from ..core.watch import StopFlag
 from . import dependencies
 
@@ -24,7 +26,8 @@ class ViewThread(threading.Thread):
     """Renders the last scene that it was given; knows nothing of Blender but ``redraw``.
 
     picture: core.progressive.Picture, or None; version: counts the pictures
-    failure: what ended the last work; first_seconds: from the last request to its first picture
+    denoiser: of the pictures; failure: what ended the last work
+    first_seconds: from the last request to its first picture
     redraw() may raise ReferenceError where nobody looks any more: the thread then ends.
     """
 
@@ -35,6 +38,7 @@ class ViewThread(threading.Thread):
         self._restart, self._close = StopFlag(), StopFlag()
         self._request: tuple[Scene, RenderSettings, float] | None = None
         self.picture, self.version = None, 0
+        self.denoiser, self._again = ViewDenoiser(), False
         self.failure: BaseException | None = None
         self.first_seconds = 0.0
         self.working = False
@@ -46,6 +50,13 @@ class ViewThread(threading.Thread):
             self._request = scene, settings, time.perf_counter()
             self.working = True
             self._restart.set()
+            self._condition.notify()
+
+    def denoise(self, denoising: Denoising, start: int) -> None:
+        """Denoise otherwise from now on, the picture that is there too; nothing is sampled anew."""
+        with self._condition:
+            self.denoiser.denoising, self.denoiser.start = denoising, start
+            self._again = self.working = True
             self._condition.notify()
 
     def idle(self) -> None:
@@ -65,16 +76,20 @@ class ViewThread(threading.Thread):
         tools = None
         while True:
             with self._condition:
-                while self._request is None and not self._close.is_set():
+                while not (self._request or self._again or self._close.is_set()):
                     self._condition.wait()
                 if self._close.is_set():
                     return
-                scene, settings, asked_at = self._request
-                self._request = None
+                request, self._request, self._again = self._request, None, False
                 self._restart = restart = StopFlag()
             try:
-                tools = tools or _Tools()
-                tools.render(scene, settings, self._taker(asked_at), restart, self._close)
+                if request is not None:
+                    scene, settings, asked_at = request
+                    tools = tools or _Tools()
+                    show = self._taker(asked_at)
+                    tools.render(scene, settings, show, restart, self._close, self.denoiser)
+                elif self.denoiser.outdated:
+                    self._show_otherwise(restart)
                 self.failure = None
             except ReferenceError:
                 return
@@ -83,11 +98,20 @@ class ViewThread(threading.Thread):
                     log.error("IWIS: the viewport stopped", exc_info=error)
                     self._fail(error)
             with self._condition:
-                self.working = self._request is not None
+                self.working = self._request is not None or self._again
 
-    def _taker(self, asked_at: float):
-        first = True
+    def _show_otherwise(self, restart: StopFlag) -> None:
+        """Show the last picture, denoised as it is wanted now."""
 
+        def going(_fraction):
+            return not (restart.is_set() or self._close.is_set())
+
+        combined, picture = self.denoiser.again(going), self.picture
+        if combined is not None and picture is not None and not restart.is_set():
+            layers = {**picture.layers, "combined": combined}
+            self._taker(0.0, first=False)(picture._replace(layers=layers))
+
+    def _taker(self, asked_at: float, first: bool = True):
         def show(picture):
             nonlocal first
             if self._close.is_set():
@@ -119,8 +143,8 @@ class _Tools:
         self._cache, self._pace = RenderCache(), progressive.Pace()
         self._render = progressive.render_progressive
 
-    def render(self, scene, settings, show, restart, close):
-        self._render(scene, settings, show, self._cache, self._pace, restart, close)
+    def render(self, scene, settings, show, restart, close, denoiser):
+        self._render(scene, settings, show, self._cache, self._pace, restart, close, denoiser)
         if self._warm_up is not None:
             self._warm_up()
             self._warm_up = None

@@ -16,14 +16,16 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
+from ..core.denoise import Denoising
 from ..core.scene import Camera, Scene
 from ..core.settings import RenderSettings
 from . import view_picture, view_thread
+from .denoiser import denoising
 from .export import ExportCache, LiveExport, export_scene, film_exposure
 from .export.late_sky import LateSkies
 from .export.same import same
 from .preferences import share_cache_dir
-from .settings import viewport_settings
+from .settings import denoise_settings, viewport_settings
 from .view_camera import view_camera
 
 # Viewports that live, for operators, panels and tests.
@@ -47,6 +49,8 @@ class Viewport:
         self._scene: Scene | None = None
         self._settings: RenderSettings | None = None
         self._camera: Camera | None = None
+        self._denoise: tuple[Denoising, int] | None = None
+        self._guided = False
         self._drawing = view_picture.PictureDrawing()
         self.failure = ""
         self.warnings: list[str] = []
@@ -87,7 +91,7 @@ class Viewport:
         if self._scene is not None and same(scene, self._scene):
             scene = self._scene
         self.export_seconds = time.perf_counter() - started
-        self._want(scene, viewport_settings(depsgraph.scene), camera)
+        self._want(scene, depsgraph.scene, camera)
 
     def fail(self, text: str) -> None:
         """Show a message instead of a picture, until the next update."""
@@ -106,7 +110,7 @@ class Viewport:
             exposure = film_exposure(original)
             if exposure != scene.exposure:
                 scene = _replace(scene, exposure=exposure)
-            self._want(scene, viewport_settings(original), self._seen(context, depsgraph))
+            self._want(scene, original, self._seen(context, depsgraph))
         engine = self._engine()
         self.region = context.region.as_pointer()
         picture = None if self.failure else self.thread.picture
@@ -126,6 +130,8 @@ class Viewport:
         if picture is None:
             return "IWIS | Loading; a machine's first render compiles for half a minute"
         sky = " | the Sky Texture is being rendered" if self._skies.waiting else ""
+        if self.thread.denoiser.working:
+            return f"IWIS | Denoising{sky}"
         if picture.converged:
             return f"IWIS | Done | {_mean_samples(picture):.1f} samples a pixel{sky}"
         if picture.step > 1:
@@ -148,16 +154,24 @@ class Viewport:
             self.pixel_size,
         )
 
-    def _want(self, scene: Scene, settings: RenderSettings, camera: Camera | None) -> None:
-        """Have this rendered, unless it is what is being rendered."""
+    def _want(self, scene: Scene, original, camera: Camera | None) -> None:
+        """Have this rendered, unless it is what is being rendered. original: Blender's scene"""
+        settings, own = viewport_settings(original), original.iwis.viewport
+        denoise = denoising(denoise_settings(own)), own.denoise_start
+        if denoise != self._denoise:
+            self._denoise = denoise
+            self.thread.denoise(*denoise)
         if camera is not None and camera.lens is not None and settings.pixel_filter == "CENTER":
             settings = dataclasses.replace(settings, pixel_filter="BOX")  # one point has no blur
         before = self._scene, self._settings
         unchanged = scene is before[0] and settings == before[1] and same(camera, self._camera)
+        if denoise[0].settings.denoise and not self._guided:
+            unchanged = False  # the picture that is there keeps nothing for a denoiser
         self._scene, self._settings, self._camera = scene, settings, camera
         if unchanged:
             return
         self.restarts += 1
+        self._guided = denoise[0].settings.denoise
         if camera is None:
             self.thread.idle()
             self.thread.picture = None

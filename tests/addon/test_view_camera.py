@@ -8,7 +8,6 @@ import pytest
 
 from iwis.iwis_addon.export.camera import export_camera
 from iwis.iwis_addon.export.same import same
-from iwis.iwis_addon.settings import viewport_settings
 from iwis.iwis_addon.view_camera import view_camera
 
 WIDTH, HEIGHT = 64, 48
@@ -154,14 +153,50 @@ def test_a_view_with_an_open_lens_takes_several_points_a_pixel(seen, monkeypatch
     """The view's default filter, Center, has no blur: Box stands in, and only there."""
     from iwis.iwis_addon import viewport
 
-    asked = []
-    thread = SimpleNamespace(request=lambda scene, settings: asked.append(settings))
-    view = SimpleNamespace(
-        _scene=None, _settings=None, _camera=None, restarts=0, thread=thread, picture=None
-    )
-    settings = viewport_settings(seen)
+    asked, view = [], standing_view()
+    view.thread.request = lambda scene, settings: asked.append(settings)
     monkeypatch.setattr(viewport, "_replace", lambda scene, **changes: scene)
     for use_dof in (False, True):
         seen.camera.data.dof.use_dof = use_dof
-        viewport.Viewport._want(view, object(), settings, view_camera(*make_view(seen), 1))
+        viewport.Viewport._want(view, object(), seen, view_camera(*make_view(seen), 1))
     assert [own.pixel_filter for own in asked] == ["CENTER", "BOX"]
+
+
+def standing_view():
+    """What Viewport._want knows of a view whose thread does nothing."""
+    thread = SimpleNamespace(denoise=lambda *wanted: None, request=lambda *wanted: None)
+    own = {"_scene": None, "_settings": None, "_camera": None, "_denoise": None, "_guided": False}
+    return SimpleNamespace(**own, restarts=0, thread=thread, picture=None)
+
+
+def test_a_view_is_denoised_otherwise_without_a_new_picture(seen, monkeypatch):
+    """Only turning it on begins anew: the picture before kept nothing that a denoiser needs."""
+    from iwis.iwis_addon import viewport
+
+    told, view = [], standing_view()
+    view.thread.denoise = lambda denoising, start: told.append((denoising.settings, start))
+    monkeypatch.setattr(viewport, "_replace", lambda scene, **changes: scene)
+    scene, camera, own = object(), view_camera(*make_view(seen), 1), seen.iwis.viewport
+    for change, restarts in (
+        ({}, 1),
+        ({"denoise_quality": "FAST"}, 1),  # off: nobody asks
+        ({"denoise": True}, 2),
+        ({"denoise_quality": "HIGH"}, 2),
+        ({"denoise_start": 32}, 2),
+        ({"denoise": False}, 2),
+        ({"denoise": True}, 2),
+    ):
+        for name, value in change.items():
+            setattr(own, name, value)
+        viewport.Viewport._want(view, scene, seen, camera)
+        assert view.restarts == restarts, change
+    assert [settings.denoise for settings, _ in told] == [
+        False,
+        False,
+        True,
+        True,
+        True,
+        False,
+        True,
+    ]
+    assert told[-1][0].denoise_quality == "HIGH" and told[-1][1] == 32

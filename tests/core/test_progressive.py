@@ -1,11 +1,13 @@
 """core/progressive.py: a coarse picture at once, the final one at the end, nothing after a stop."""
 
 import dataclasses
+import time
 
 import numpy as np
 import pytest
 
 from iwis.core.camera import rays_through
+from iwis.core.denoise import Denoising
 from iwis.core.progressive import (
     SHOWN,
     STEPS,
@@ -14,8 +16,10 @@ from iwis.core.progressive import (
     render_progressive,
 )
 from iwis.core.render_cache import RenderCache
-from iwis.core.settings import RenderSettings
+from iwis.core.settings import DenoiseSettings, RenderSettings
+from iwis.core.view_denoiser import ViewDenoiser
 from iwis.core.watch import Cancelled, StopFlag
+from support.oidn_library import library
 from support.scenes import camera_above, make_picture, varied_scene
 
 SETTINGS = {"pixel_filter": "CENTER", "max_samples": 24, "error_threshold": 0.2, "tile_px": 16}
@@ -34,7 +38,7 @@ class Screen:
             self._event.set()
 
 
-def run(scene, screen=None, restart=None, close=None, pace=None, **settings):
+def run(scene, screen=None, restart=None, close=None, pace=None, denoiser=None, **settings):
     """All pictures that were shown."""
     screen = screen or Screen()
     render_progressive(
@@ -45,6 +49,7 @@ def run(scene, screen=None, restart=None, close=None, pace=None, **settings):
         pace or Pace(),
         restart or StopFlag(),
         close or StopFlag(),
+        denoiser,
     )
     return screen.pictures
 
@@ -140,3 +145,101 @@ def test_pace_chooses_coarser_steps_where_points_are_slow():
         fast.note(1000, 1e-4)
         slow.note(1000, 1e-1)
     assert fast.first_step(camera) == 2 and slow.first_step(camera) == STEPS[-1]
+
+
+class Denoised(ViewDenoiser):
+    """Denoises by settings of a view; counts how often, and what was shown with noise after it."""
+
+    def __init__(self, start=1, library_path=None, **settings):
+        super().__init__()
+        own = DenoiseSettings(denoise=True, denoise_quality="FAST", **settings)
+        self.denoising = Denoising(own, library() if library_path is None else library_path, "none")
+        self.start, self.samples = start, []
+
+    def take(self, guided, scene, settings, threads, samples, going):
+        self.samples.append(samples)
+        return super().take(guided, scene, settings, threads, samples, going)
+
+
+def test_pictures_of_the_view_are_denoised():
+    """From the first round on; the last one too, never the coarse ones; samples are the same."""
+    plain = run(varied_scene(), stop_rule="FIXED")
+    denoiser = Denoised()
+    pictures = run(varied_scene(), denoiser=denoiser, stop_rule="FIXED")
+    assert denoiser.samples[0] == 8 and denoiser.samples[-1] == SETTINGS["max_samples"]
+    assert denoiser.shows and denoiser.problem == ""
+    last, noisy = pictures[-1], plain[-1]
+    assert last.converged
+    np.testing.assert_array_equal(last.layers["samples"], noisy.layers["samples"])
+    combined, before = last.layers["combined"], noisy.layers["combined"]
+    np.testing.assert_array_equal(combined[..., 3], before[..., 3])
+    assert (combined != before).any()
+    for a, b in zip(pictures, plain, strict=False):
+        if a.step > 1:
+            np.testing.assert_array_equal(a.layers["combined"], b.layers["combined"])
+
+
+def test_no_noise_comes_back_while_rounds_go_on():
+    """Once a picture without noise was shown, none with noise follows."""
+    denoiser, shown = Denoised(), []
+    screen = Screen()
+    show = screen.show
+
+    def noting(picture):
+        shown.append(denoiser.shows)
+        show(picture)
+
+    screen.show = noting
+    run(varied_scene(), screen, denoiser=denoiser, stop_rule="FIXED", max_samples=64)
+    assert shown[-1] and shown[shown.index(True) :].count(False) == 0
+
+
+def test_the_view_is_denoised_from_the_start_sample_on():
+    """A picture with fewer samples keeps its noise; a start beyond all of them: all do."""
+    denoiser = Denoised(start=16)
+    run(varied_scene(), denoiser=denoiser, stop_rule="FIXED")
+    assert min(denoiser.samples) >= 16
+    late = Denoised(start=1000)
+    last = run(varied_scene(), denoiser=late, stop_rule="FIXED")[-1]
+    plain = run(varied_scene(), stop_rule="FIXED")[-1]
+    assert not late.shows
+    np.testing.assert_array_equal(last.layers["combined"], plain.layers["combined"])
+
+
+def test_a_picture_is_denoised_otherwise_without_sampling():
+    """Other settings are seen to be missing; off: the picture with its noise."""
+    denoiser = Denoised()
+    run(varied_scene(), denoiser=denoiser, stop_rule="FIXED")
+    assert not denoiser.outdated
+    noisy = run(varied_scene(), stop_rule="FIXED")[-1].layers["combined"]
+    own = denoiser.denoising
+    denoiser.denoising = own._replace(settings=DenoiseSettings())
+    assert denoiser.outdated
+    np.testing.assert_array_equal(denoiser.again(lambda fraction: True), noisy)
+    denoiser.denoising = own
+    assert (denoiser.again(lambda fraction: True) != noisy).any() and not denoiser.outdated
+
+
+def test_a_view_without_a_library_shows_its_noise_and_says_so():
+    """The reason is kept for the panel of warnings."""
+    denoiser = Denoised(library_path="")
+    last = run(varied_scene(), denoiser=denoiser, stop_rule="FIXED")[-1]
+    plain = run(varied_scene(), stop_rule="FIXED")[-1]
+    np.testing.assert_array_equal(last.layers["combined"], plain.layers["combined"])
+    assert denoiser.problem == "The view keeps its noise: none" and not denoiser.shows
+
+
+def test_a_restart_does_not_wait_for_the_denoiser():
+    """Somebody who turns the view goes on at once; the library ends by itself."""
+    restart = StopFlag()
+    denoiser = Denoised()
+    asked = []
+
+    def take(guided, scene, settings, threads, samples, going):
+        restart.set()
+        asked.append(time.perf_counter())
+        return Denoised.take(denoiser, guided, scene, settings, threads, samples, going)
+
+    denoiser.take = take
+    run(varied_scene(width=320, height=240), restart=restart, denoiser=denoiser)
+    assert len(asked) == 1 and time.perf_counter() - asked[0] < 0.1  # ten times its own wait
