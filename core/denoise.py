@@ -8,6 +8,7 @@ the picture stays as it is, to the last bit; so does alpha.
 from __future__ import annotations
 
 import dataclasses
+import math
 import threading
 from collections.abc import Callable
 from typing import NamedTuple
@@ -17,7 +18,7 @@ import numpy as np
 from .film import NO_DEPTH
 from .oidn import QUALITIES, Device, as_image
 from .scene import PERSPECTIVE, Camera, Scene
-from .settings import DenoiseSettings
+from .settings import DenoiseSettings, RenderSettings
 
 # How soon a denoiser that is not wanted any more is left to itself.
 POLL_SECONDS = 0.01
@@ -115,11 +116,32 @@ def exact_guides(scene: Scene, pixel_filter: str) -> bool:
     return pixel_filter == "CENTER" and not lots
 
 
-def for_guides(settings: DenoiseSettings, scene: Scene, pixel_filter: str) -> DenoiseSettings:
-    """The settings; without a prefilter where it could only blur what has no noise."""
-    if not exact_guides(scene, pixel_filter):
-        return settings
-    return dataclasses.replace(settings, denoise_prefilter="NONE")
+def prepared(
+    picture: Guided, wanted: DenoiseSettings, scene: Scene, settings: RenderSettings
+) -> tuple[Guided, DenoiseSettings]:
+    """A whole picture of the scene, sampled by settings, and how it is to be denoised.
+
+    Without a prefilter where it could only blur what has no noise. Pixels beside a silhouette may
+    have seen the world alone by chance: they are not exact, unless they are empty.
+    """
+    if exact_guides(scene, settings.pixel_filter):
+        wanted = dataclasses.replace(wanted, denoise_prefilter="NONE")
+    exact = picture.exact.copy()
+    if scene.camera.lens or scene.camera.motion or scene.motion:
+        exact[:] = False  # how far a silhouette is blurred is not known
+    elif settings.pixel_filter != "CENTER":
+        _shrink(exact, math.ceil(settings.filter_width))
+    exact |= picture.combined[..., 3] == 0.0
+    return picture._replace(exact=exact), wanted
+
+
+def _shrink(mask: np.ndarray, pixels: int) -> None:
+    """Take away what is so near to the edge of a mask, bool (h, w), in place."""
+    for rows in (mask, mask.T):
+        before = rows.copy()
+        for k in range(1, min(pixels + 1, len(rows))):
+            rows[k:] &= before[:-k]
+            rows[:-k] &= before[k:]
 
 
 def denoised(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .denoise import NOISY, Denoising, Guided, data_layers, denoise_apart, for_guides
+from .denoise import NOISY, Denoising, Guided, data_layers, denoise_apart, prepared
 from .film import Progress, Tile, TileSink
 from .render import render, worker_count
 from .render_cache import RenderCache
@@ -30,9 +30,9 @@ def render_denoised(
         return stats
     with stats.phase("denoising"):
         try:
-            own = for_guides(denoising.settings, scene, settings.pixel_filter)
+            known, own = prepared(keeper.picture, denoising.settings, scene, settings)
             wanted = denoising._replace(settings=own)
-            picture = _denoise(keeper.picture, wanted, worker_count(settings), sink)
+            picture = _denoise(known, wanted, worker_count(settings), sink)
         except (OSError, MemoryError, RuntimeError) as error:
             stats.warnings.append(f"The picture keeps its noise: {error}")
             return stats

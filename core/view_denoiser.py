@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .denoise import Denoising, Guided, denoise_apart, for_guides
+from .denoise import Denoising, Guided, denoise_apart, prepared
 from .scene import Scene
 from .settings import DenoiseSettings, RenderSettings
 
@@ -86,10 +86,10 @@ class ViewDenoiser:
         self._used, self.problem, self.shows = (wanted, self.start), "", False
         if not self._wants(given.samples):
             return given.guided.combined
-        own = for_guides(wanted.settings, given.scene, given.settings.pixel_filter)
+        known, own = prepared(given.guided, wanted.settings, given.scene, given.settings)
         started, self.working = time.perf_counter(), True
         try:
-            out = denoise_apart(given.guided, wanted._replace(settings=own), given.threads, going)
+            out = denoise_apart(known, wanted._replace(settings=own), given.threads, going)
         except (OSError, MemoryError, RuntimeError) as error:
             self.problem, out = f"The view keeps its noise: {error}", None
         finally:

@@ -5,8 +5,8 @@ blender.org's builds and the bpy module bring the library; a distribution's Blen
 
 from __future__ import annotations
 
-import ctypes.util
 import functools
+import sys
 from pathlib import Path
 
 import bpy
@@ -18,6 +18,7 @@ from ..core.settings import DenoiseSettings
 # Beside Blender's folder of scripts: Linux and macOS, Windows, Windows' bpy module.
 _FOLDERS = ("lib", "blender.shared", "")
 _NAMES = ("libOpenImageDenoise.*", "OpenImageDenoise.dll")
+_SYSTEMS = "libOpenImageDenoise.so.2"  # where Linux looks for libraries
 
 
 def denoising(settings: DenoiseSettings) -> Denoising:
@@ -37,12 +38,13 @@ def find_library() -> tuple[str, str]:
             load_library(path)
             return path, ""
         except OSError as error:
-            problem = f"Open Image Denoise does not load: {error}"
+            if path != _SYSTEMS:
+                problem = f"Open Image Denoise does not load: {error}"
     return "", problem
 
 
 def _library_paths() -> list[str]:
-    """Blender's own first; what Blender has loaded already is found by its name alone."""
+    """Blender's own first, then the system's."""
     known = [bpy.utils.resource_path(kind) for kind in ("LOCAL", "SYSTEM")]
     known.append(bpy.app.binary_path)
     found = [
@@ -52,5 +54,4 @@ def _library_paths() -> list[str]:
         for name in _NAMES
         for path in sorted((root / folder).glob(name))
     ]
-    system = ctypes.util.find_library("OpenImageDenoise")
-    return [*found, system] if system else found
+    return [*found, _SYSTEMS] if sys.platform == "linux" else found

@@ -4,16 +4,27 @@ import ctypes.util
 import dataclasses
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from iwis.core import denoised_render
-from iwis.core.denoise import DATA_LAYERS, NOISY, Denoising, Guided, data_layers, denoise_apart
+from iwis.core.denoise import (
+    DATA_LAYERS,
+    NOISY,
+    Denoising,
+    Guided,
+    data_layers,
+    denoise_apart,
+    prepared,
+)
 from iwis.core.denoised_render import render_denoised
 from iwis.core.film import LAYERS, NO_DEPTH, Film
 from iwis.core.oidn import Device, as_image, load_library
+from iwis.core.program import Program
 from iwis.core.render import render
+from iwis.core.scene import Lens
 from iwis.core.settings import DenoiseSettings, RenderSettings
 from support.oidn_library import library
 from support.scenes import varied_scene
@@ -93,6 +104,46 @@ def test_a_transparent_film_stays_empty_around_objects():
     layers, _ = picture(scene, denoise=ON)
     empty = layers["combined"][..., 3] == 0.0
     assert empty.any() and (layers["combined"][empty] == 0.0).all()
+
+
+def test_silhouettes_are_denoised_on_both_sides():
+    """With one point a pixel of a filter: pixels that saw the world by chance change as well."""
+    scene = varied_scene(width=96, height=72)
+    settings = RenderSettings(stop_rule="FIXED", max_samples=8, threads=1)
+    layers, _ = picture(scene, settings, denoise=ON)
+    before, after = layers[NOISY][..., :3], layers["combined"][..., :3]
+    world = (before == layers["environment"]).all(axis=2)
+    changed = (before != after).any(axis=2)
+    beside = np.zeros_like(world)
+    for shift in (-1, 1):
+        beside[:, 1:-1] |= ~world[:, 1 + shift : 95 + shift]
+    assert changed[world & beside].mean() > 0.9
+    assert not changed[world].all()
+
+
+def test_how_far_a_blurred_silhouette_reaches_is_not_known(noisy, scene):
+    """With a lens the world is denoised too; what is empty stays so."""
+    guided = Guided.of_layers(noisy, scene)
+    assert prepared(guided, ON, scene, FEW)[0].exact.sum() == guided.exact.sum() > 0
+    camera = dataclasses.replace(scene.camera, lens=Lens(0.1, 2.0))
+    blurred = dataclasses.replace(scene, camera=camera)
+    box = dataclasses.replace(FEW, pixel_filter="BOX")
+    assert not prepared(guided, ON, blurred, box)[0].exact.any()
+    guided = guided._replace(combined=guided.combined.copy())
+    guided.combined[:3, :3, 3] = 0.0
+    assert prepared(guided, ON, blurred, box)[0].exact.sum() == 9
+
+
+def test_guides_without_noise_are_not_filtered(noisy, scene):
+    """One point a pixel; with cut-outs that draw lots, or a pixel filter, they may have some."""
+    guided = Guided.of_layers(noisy, scene)
+    for pixel_filter, expected in (("CENTER", "NONE"), ("BOX", "ACCURATE")):
+        settings = dataclasses.replace(FEW, pixel_filter=pixel_filter)
+        assert prepared(guided, ON, scene, settings)[1].denoise_prefilter == expected
+    half = Program(ops=(), closures=(), transparent=(0.5, 0.5, 0.5))
+    shaders = SimpleNamespace(programs=(None, half))
+    leaves = SimpleNamespace(shaders=shaders, camera=scene.camera, motion=None)
+    assert prepared(guided, ON, leaves, FEW)[1].denoise_prefilter == "ACCURATE"
 
 
 def test_without_a_library_the_picture_is_there_and_a_warning(scene, noisy):

@@ -1,15 +1,17 @@
 """The extension in the window of a real Blender: random edits while the rendered view renders.
 
     python tests/real_blender/check_window.py
-        [--quick | --life | --rules | --measure | --shots FOLDER | --render FOLDER] [--seed N]
+        [--quick | --life | --rules | --measure | --shots FOLDER | --render FOLDER |
+         --denoise FOLDER] [--seed N]
 
 First the extension's life, from installing its zip to its removal (life_in_window.py; alone with
 --life). Then previews, Escape in a render and the render after it (render_in_window.py; alone with
---render). Then rules of what begins the picture anew (restarts.py; alone with --rules), and a
-hundred and more edits, undo, redo, engine switches, file loads and window resizes, each a step of
-edit_in_window.py; --quick does fewer of them. --measure prints latencies of the rendered view
-(measure_in_window.py), --shots takes the pictures of docs/ (shots_in_window.py) instead. real.py
-says what it needs; as root on Debian it is all there.
+--render), and the denoiser's box (denoise_in_window.py; alone with --denoise). Then rules of what
+begins the picture anew (restarts.py; alone with --rules), and a hundred and more edits, undo, redo,
+engine switches, file loads and window resizes, each a step of edit_in_window.py; --quick does fewer
+of them. --measure prints latencies of the rendered view (measure_in_window.py), --shots takes the
+pictures of docs/ (shots_in_window.py) instead. real.py says what it needs; as root on Debian it is
+all there.
 """
 
 import sys
@@ -80,6 +82,13 @@ def live(blender, folder: Path, package: Path) -> None:
     run_script(fresh, folder, "life_in_window.py", [sample], [folder, package.resolve()])
 
 
+def denoise(blender, folder: Path) -> None:
+    """The denoiser's box, a render and the rendered view with it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    sample = ROOT / "sample_blends" / "statue.blend"
+    run_script(blender, folder, "denoise_in_window.py", [sample], [folder.resolve()])
+
+
 def _shared_kernels(folder: Path) -> dict[str, str]:
     """Compiled once for all windows of a run."""
     return {"IWIS_CACHE_DIR": str(folder / "cache")}
@@ -91,6 +100,7 @@ def main() -> None:
         (["--quick"], {"action": "store_true", "help": "fewer edits"}),
         (["--measure"], {"action": "store_true", "help": "measure latencies instead"}),
         (["--render"], {"type": Path, "help": "only previews and renders; pictures go here"}),
+        (["--denoise"], {"type": Path, "help": "only the denoiser; pictures go here"}),
         (["--shots"], {"type": Path, "help": "write the screenshots of the docs here instead"}),
         (["--rules"], {"action": "store_true", "help": "no random edits, and none but restarts"}),
         (["--life"], {"action": "store_true", "help": "only installing, disabling, removing"}),
@@ -107,6 +117,9 @@ def main() -> None:
             words = [options.shots.resolve()]
             run_script(blender, folder, "shots_in_window.py", [samples / "statue.blend"], words)
             return
+        if options.denoise:
+            denoise(blender, options.denoise)
+            return
         if not options.rules and not options.render:
             live(blender, folder, package)
         if options.life:
@@ -121,6 +134,7 @@ def main() -> None:
         run_script(blender, folder, "render_in_window.py", [samples / "statue.blend"], words)
         if options.render:
             return
+        denoise(blender, folder / "denoised")
         count = QUICK_EDITS if options.quick else EDITS
         words = [options.seed, count, folder, samples / "turntable.blend"]
         run_script(blender, folder, "edit_in_window.py", [samples / "statue.blend"], words)
