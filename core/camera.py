@@ -14,7 +14,8 @@ import numpy as np
 from ._jit import kernel
 from .lens import aperture_point
 from .panorama import panorama_code, panorama_direction
-from .scene import ORTHOGRAPHIC, PANORAMIC, Camera, CameraMotion
+from .panorama_places import panorama_places, space_axes
+from .scene import ORTHOGRAPHIC, PANORAMIC, PERSPECTIVE, Camera, CameraMotion
 
 _PLANE = -1  # in place of a panorama's kind
 
@@ -202,6 +203,23 @@ def pixel_grid(x0: int, y0: int, nx: int, ny: int) -> tuple[np.ndarray, np.ndarr
     """Column and row in the frame of nx x ny pixels from (x0, y0) up, row by row: int64 (n,)."""
     rows, columns = np.divmod(np.arange(nx * ny), nx)
     return columns + x0, rows + y0
+
+
+def frame_places(camera: Camera, positions: np.ndarray) -> np.ndarray:
+    """float64 (n, 2): where positions (n, 3) are in the frame, 0 to 1 from its lower left corner;
+    NaN where they are behind a camera that looks one way."""
+    axes = space_axes(camera)
+    to_camera = np.linalg.inv(camera.camera_to_world @ axes)
+    seen = positions @ to_camera[:3, :3].T + to_camera[:3, 3]
+    if camera.kind == PANORAMIC:
+        seen /= np.maximum(np.linalg.norm(seen, axis=1), 1e-30)[:, None]
+        places = panorama_places(camera.panorama, seen @ axes[:3, :3].T)
+    elif camera.kind == PERSPECTIVE:
+        places = seen[:, :2] / np.where(seen[:, 2:] > 0.0, seen[:, 2:], np.nan)
+    else:
+        places = seen[:, :2]
+    left, right, bottom, top = camera.window
+    return (places - (left, bottom)) / (right - left, top - bottom)
 
 
 def view_depth(camera: Camera, positions: np.ndarray) -> np.ndarray:

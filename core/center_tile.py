@@ -18,6 +18,7 @@ from .lamp_glow import lamp_glow, shown_lamps
 from .light_groups import TileGroups
 from .merged_layers import merge_layers
 from .neighbours import CELL_PX, cell_order
+from .rows import any_in_row
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .scene import HOLDOUT, SHADOW_CATCHER
 from .stop_rule import Rule, perceptual_rule, spread_of, stop_rule
@@ -126,10 +127,17 @@ class CenterTile:
         self._occlusion.add_to_layers(layers, slice(None), self._places, shown.astype(float))
         if self._glow is not None:
             _add_glow(*self._glow, float(scene.exposure), layers)
+        self._write_surfaces(points, layers)
+        return Tile(*self.rect, layers)
+
+    def _write_surfaces(self, points, layers) -> None:
+        """Write what needs no light."""
+        scene, missed = self._job.scene, self._missed
         surface = SurfacePasses(scene, self.rect.width * self.rect.height)
         surface.add(scene, points, self._places)
+        looks = any_in_row(missed.directions)
+        surface.add_missed(scene, missed.place[looks], missed.directions[looks])
         surface.write(layers, slice(None), np.ones(1, np.int32))
-        return Tile(*self.rect, layers)
 
     def _write_groups(self, points, place, emission, layers) -> None:
         """Write the layers of light groups; place: of what is seen itself, -1 = none."""

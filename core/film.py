@@ -28,6 +28,7 @@ LAYERS = {
     "glossy_color": 3,
     "ambient_occlusion": 3,  # of an even sky, what is seen within AskedPasses.occlusion_distance
     "mist": 1,  # 0 where it begins, 1 where it is complete and where the world is seen
+    "vector": 4,  # pixels from here to where it was a frame before, and from where it will be
     "uv": 3,  # place on the UV map; 1 times the share of the pixel's rays that hit a surface
     "shadow_catcher": 3,  # of the light that catchers reflect, what arrives; 1 elsewhere
     "sample_count": 1,  # samples divided by max_samples: Cycles' Debug Sample Count

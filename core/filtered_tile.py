@@ -259,6 +259,7 @@ class FilteredTile:
         if not looks.all():
             np.add.at(self._sums.opaque, pixels[~looks], np.float32(1.0))
             pixels, directions, tints = rows_of((pixels, directions, tints), looks)
+        self._sampler.surface.add_missed(scene, pixels, directions)
         film = opacity_of(tints) if self._job.scene.transparent_film else np.float32(1.0)
         np.add.at(self._sums.opaque, pixels, film)
         if not len(pixels) or not scene.environment.visible_to_camera:

@@ -57,6 +57,23 @@ class ObjectMotion(NamedTuple):
         return self._replace(shapes=tuple(own.among(rows) for own in self.shapes))
 
 
+class PixelMotion(NamedTuple):
+    """What objects and the camera do from the frame before to the next one.
+
+    row: int32 (n_objects,), in the matrices, -1 = it stands
+    matrices: float64 (2, m, 4, 4), from where TriangleMesh has an object to where it is before, and
+        later; shapes: at three times
+    camera_moves: float64 (2, 4, 4), likewise, of the world; window_changes: float64 (2, 4), of
+        Camera.window
+    """
+
+    row: np.ndarray
+    matrices: np.ndarray
+    shapes: tuple[Shapes, ...]
+    camera_moves: np.ndarray
+    window_changes: np.ndarray
+
+
 class Pose(NamedTuple):
     """Where objects are in one slice of ObjectMotion, and in what shape.
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from .asked_passes import NO_PASSES, AskedPasses
 from .lamps import NO_LAMPS, LampLink, Lamps
-from .object_motion import ObjectMotion, Pose
+from .object_motion import ObjectMotion, PixelMotion, Pose
 from .program import Shaders, WorldProgram
 
 EQUIRECTANGULAR, MIRROR_BALL = "EQUIRECTANGULAR", "MIRROR_BALL"
@@ -247,7 +247,7 @@ class Scene:
     asked: passes made on request; measured: the BRDFs that materials of model MEASURED name
     lamps: what lights the scene beside its environment; lamp_links: which objects these are about
     motion: of objects while the shutter is open; pose: the slice of it that a copy of the scene
-        stands for, made by time_slices.py
+        stands for, made by time_slices.py; pixel_motion: for the Vector pass, None = not asked
     object_to_world: float64 (n_objects, 4, 4), where the mesh table has objects; None = not told
     """
 
@@ -269,6 +269,7 @@ class Scene:
     lamp_links: tuple[LampLink, ...] = ()
     motion: ObjectMotion | None = None
     pose: Pose | None = None
+    pixel_motion: PixelMotion | None = None
     object_to_world: np.ndarray | None = None
 
     def __post_init__(self):

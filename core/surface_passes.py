@@ -1,4 +1,4 @@
-"""Passes that need no light: mist, UV, mattes and AOVs, of all points that a pixel's rays hit.
+"""Passes that need no light: mist, UV, vectors, mattes and AOVs, of all that a pixel's rays hit.
 
 They cost nothing where the scene asks for none of them.
 """
@@ -9,6 +9,7 @@ import numpy as np
 
 from .catchers import plays
 from .cryptomatte import TileMattes
+from .pixel_motion import TileVectors
 from .scene import HOLDOUT, Scene
 from .shader_values import TileAov
 from .shading import ShadingPoints
@@ -25,6 +26,8 @@ class SurfacePasses:
             self._kinds.append(TileMist(n))
         if asked.uv is not None:
             self._kinds.append(TileUv(n))
+        if scene.pixel_motion is not None:
+            self._kinds.append(TileVectors(n))
         if scene.shaders is not None:
             self._kinds += [TileAov(aov, n) for aov in scene.shaders.aovs]
 
@@ -49,6 +52,13 @@ class SurfacePasses:
                 kind.add(scene, points, place)
             else:
                 kind.add(scene, points.at(shown), place[shown])
+
+    def add_missed(self, scene: Scene, place: np.ndarray, directions: np.ndarray) -> None:
+        """Add rays that see the world to their pixels, place: int32 (k,), -1 = none."""
+        inside = place >= 0
+        for kind in self._kinds:
+            if isinstance(kind, TileVectors):
+                kind.add_missed(scene, place[inside], directions[inside])
 
     def write(self, layers: dict[str, np.ndarray], rows, passes: np.ndarray) -> None:
         """Write the layers of a tile. rows: its pixels; passes: int (k,), rays of each."""

@@ -79,6 +79,7 @@ TABLE = (
     _row("mist", "Mist", "Z", "VALUE", "use_pass_mist", "DATA"),
     _row("position", "Position", "XYZ", "VECTOR", "use_pass_position", "DATA"),
     _row("normal", "Normal", "XYZ", "VECTOR", "use_pass_normal", "DATA"),
+    _row("vector", "Vector", "XYZW", "VECTOR", "use_pass_vector", "DATA"),
     _row("uv", "UV", "UVA", "VECTOR", "use_pass_uv", "DATA"),
     _row("object_index", "Object Index", "X", "VALUE", "use_pass_object_index", "DATA", "IndexOB"),
     _row("material_index", "Material Index", "X", "VALUE", "use_pass_material_index", "DATA",

@@ -18,6 +18,7 @@ from . import dependencies, stereo
 from .denoiser import denoising
 from .export import ExportCancelled, export_scene
 from .export.motion import export_in_motion
+from .export.pixel_motion import export_with_vectors, wants_vectors
 from .job import RenderJob, RenderRecord
 from .manifest import stamp_mattes
 from .number_film import NumberFilm
@@ -73,7 +74,10 @@ class FinalRender:
                 cancelled=self._cancelled,
             )
             told = self._export_stats.warnings
-            self.scene = export_in_motion(self.engine, depsgraph, told, export)
+            if wants_vectors(depsgraph):
+                self.scene = export_with_vectors(self.engine, depsgraph, export)
+            else:
+                self.scene = export_in_motion(self.engine, depsgraph, told, export)
         self.job.warn(self._export_stats.warnings)
 
     def run(self, depsgraph) -> None:

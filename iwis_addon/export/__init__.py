@@ -7,7 +7,8 @@ parts, point_..., strand..., hair_curves, particle_hair, element_values
 camera, panorama, lamps,     the other parts of a Scene
 lamp_nodes, lamp_pictures, ies, world
 motion, object_motion,       camera, objects and shapes at other times, where the shutter is open
-changing_shapes
+changing_shapes, ..._readers
+pixel_motion                 the same for the Vector pass
 material, shader_reader      shader nodes to rows of materials, and to closures of programs
 program_builder, ..._nodes, ..._images, surface_data
                              value nodes to operations, with all that these look up

@@ -50,8 +50,8 @@ class ChangingShapes:
     """Made in the middle of the time, where all was exported; look() at each other time; then
     tables(), and lines()."""
 
-    def __init__(self, depsgraph, geometry: MeshExport, steps: dict[Key, int]):
-        """steps: of Motions, of what may blur at all"""
+    def __init__(self, depsgraph, geometry: MeshExport, steps: dict[Key, int], shutter: float):
+        """steps: of Motions, of what may blur at all; shutter: frames from the first to the last"""
         self._geometry, self._parts = geometry, {}
         self._parts_of: dict[Key, list[int]] = defaultdict(list)
         self._other, self._large = {}, {}
@@ -68,7 +68,7 @@ class ChangingShapes:
                 continue
             for row in rows.pop(key):
                 self._add(key, row, item, steps[key], velocities)
-        self._by_velocity(scene)
+        self._by_velocity(scene.render, shutter)
 
     def _add(self, key: Key, row: int, item, steps: int, velocities) -> None:
         inventory = self._geometry.inventory
@@ -83,10 +83,9 @@ class ChangingShapes:
         self._parts[number] = part._replace(steps=max(steps, part.steps), rows=[*part.rows, row])
         self._parts_of[key].append(number)
 
-    def _by_velocity(self, scene) -> None:
+    def _by_velocity(self, render, shutter: float) -> None:
         """Have what has velocities read at three times, from these; make room for the others."""
-        render = scene.render
-        half = 0.5 * render.motion_blur_shutter * render.fps_base / render.fps
+        half = 0.5 * shutter * render.fps_base / render.fps
         for number, part in self._parts.items():
             self._parts[number] = part._replace(read=[None] * part.steps)
             if not isinstance(part.reader, np.ndarray):

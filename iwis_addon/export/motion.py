@@ -45,13 +45,13 @@ def export_in_motion(engine, depsgraph, warnings: list[str], export: Callable[..
     middle = now + _MIDDLE[render.motion_blur_position] * render.motion_blur_shutter
     try:
         if middle != now:
-            _go_to(engine, middle)
+            go_to(engine, middle)
         exported = export(geometry=geometry)
         steps = read_steps(depsgraph)
-        shapes = ChangingShapes(depsgraph, geometry[0], steps)
+        shapes = ChangingShapes(depsgraph, geometry[0], steps, render.motion_blur_shutter)
         camera, objects = _motions(engine, depsgraph, exported.camera, middle, steps, shapes)
     finally:
-        _go_to(engine, now)
+        go_to(engine, now)
     times = shutter_times(render)
     own = geometry[0].inventory.instances, objects, times, shapes.tables()
     moved, still = object_motion(*own)
@@ -62,7 +62,8 @@ def export_in_motion(engine, depsgraph, warnings: list[str], export: Callable[..
     return dataclasses.replace(exported, camera=camera, motion=moved)
 
 
-def _go_to(engine, time: float) -> None:
+def go_to(engine, time: float) -> None:
+    """Move depsgraph and scene to a frame, or a part of one."""
     frame = math.floor(time)
     engine.frame_set(frame, time - frame)
 
@@ -78,8 +79,8 @@ def _motions(engine, depsgraph, middle: Camera, time: float, steps, shapes: Chan
     cameras, places = [], []
     for number, relative in enumerate(np.linspace(-1.0, 1.0, most)):
         if relative != 0.0:
-            _go_to(engine, time + relative * half)
-            cameras.append(_camera_now(depsgraph))
+            go_to(engine, time + relative * half)
+            cameras.append(camera_now(depsgraph))
             places.append(read_places(depsgraph, steps))
             shapes.look(depsgraph, number, most)
         else:  # the graph stands elsewhere: this is what was exported
@@ -95,7 +96,8 @@ def _motions(engine, depsgraph, middle: Camera, time: float, steps, shapes: Chan
     return (list(matrices), list(windows)), Motions(steps, places)
 
 
-def _camera_now(depsgraph):
+def camera_now(depsgraph):
+    """(camera_to_world, window) of the scene's camera as the graph has it."""
     camera = depsgraph.scene_eval.camera
     return camera_matrix(camera), camera_optics(camera, depsgraph.scene_eval.render, [])["window"]
 

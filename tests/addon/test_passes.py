@@ -17,6 +17,7 @@ EXPECTED = {
     "Mist": ("Mist", 1),
     "Position": ("Position", 3),
     "Normal": ("Normal", 3),
+    "Vector": ("Vector", 4),
     "UV": ("UV", 3),
     "Object Index": ("IndexOB", 1),
     "Material Index": ("IndexMA", 1),
