@@ -83,6 +83,8 @@ class IWIS_PT_object_motion_blur(_ObjectPanel, bpy.types.Panel):
         layout, own = self.split_layout(), context.object.cycles
         layout.active = context.scene.render.use_motion_blur and own.use_motion_blur
         layout.prop(own, "motion_steps", text="Steps")
+        if context.object.type != "CAMERA":
+            layout.prop(own, "use_deform_motion", text="Deformation")
 
 
 class IWIS_PT_material_settings(IWISPanel, bpy.types.Panel):

@@ -54,20 +54,21 @@ class ChangingShapes:
         """steps: of Motions, of what may blur at all; shutter: frames from the first to the last"""
         self._geometry, self._parts = geometry, {}
         self._parts_of: dict[Key, list[int]] = defaultdict(list)
-        self._other, self._large = {}, {}
+        self._other, self._large, self._free = {}, {}, free_memory_bytes()
         self._in_window = depsgraph.mode == "VIEWPORT"
-        scene, rows = depsgraph.scene_eval, defaultdict(list)
+        scene, rows, known = depsgraph.scene_eval, defaultdict(list), {}
         for row, instance in enumerate(geometry.inventory.instances):
             rows[Key(instance.name, instance.number)].append(row)
         for item in depsgraph.object_instances:
             key = key_of(item)
-            if not (key in rows and steps.get(key) and _wants(item)):
+            if key not in rows or not steps.get(key):
                 continue
-            velocities = velocities_of(item)
-            if velocities is None and not _may_deform(item, scene):
-                continue
-            for row in rows.pop(key):
-                self._add(key, row, item, steps[key], velocities)
+            things = _things(item)
+            if things not in known:
+                known[things] = _asked(item, scene)
+            if known[things].deforms:
+                for row in rows.pop(key):
+                    self._add(key, row, item, steps[key], known[things].velocities)
         self._by_velocity(scene.render, shutter)
 
     def _add(self, key: Key, row: int, item, steps: int, velocities) -> None:
@@ -108,6 +109,8 @@ class ChangingShapes:
                     continue
                 done.add(which)
                 self._read(part, step, item)
+            if len(done) == len(self._parts):
+                break
 
     def _read(self, part: _Part, step: int, item) -> None:
         own = part.reader.read(item)
@@ -124,12 +127,19 @@ class ChangingShapes:
         moved = np.abs(positions - part.local.positions)[usable].max(initial=0.0)
         if not moved > _CHANGED * size:
             return
-        needed, free = _bytes_of(part), free_memory_bytes()
-        if free is not None and not any(part.read) and needed > free:
-            self._large[part.name] = part.steps, needed, free
-            part.read[:] = [None] * part.steps
+        if not any(part.read) and not self._has_room(part):
             return
         part.read[step] = positions, normals
+
+    def _has_room(self, part: _Part) -> bool:
+        """Whether a part's steps fit beside those of others; else it is told, and not read on."""
+        needed = _bytes_of(part)
+        if self._free is not None and needed > self._free:
+            self._large[part.name] = part.steps, needed, self._free
+            return False
+        if self._free is not None:
+            self._free -= needed
+        return True
 
     def tables(self) -> tuple[Shapes, ...]:
         """ObjectMotion.shapes: one for each number of steps."""
@@ -158,6 +168,28 @@ class ChangingShapes:
         return found
 
 
+class _Asked(NamedTuple):
+    """What is the same for all instances of an object by another. velocities: of velocities_of"""
+
+    deforms: bool
+    velocities: np.ndarray | None
+
+
+def _things(item) -> tuple:
+    """Addresses of what _asked depends on."""
+    parent = item.parent.as_pointer() if item.is_instance and item.parent else 0
+    data = item.object.data
+    real = item.instance_object if item.is_instance else item.object
+    return real.as_pointer(), data.as_pointer() if data else 0, parent
+
+
+def _asked(item, scene) -> _Asked:
+    if not _wants(item):
+        return _Asked(False, None)
+    velocities = velocities_of(item)
+    return _Asked(velocities is not None or _may_deform(item, scene), velocities)
+
+
 def _wants(item) -> bool:
     """Whether an object, and what instances it, may be blurred by deformation."""
     owners = [item.object, *([item.parent] if item.is_instance and item.parent else [])]
@@ -177,9 +209,8 @@ def _may_deform(item, scene) -> bool:
 def _bytes_of(part: _Part) -> int:
     """Of all its steps: as read, and for each instance in world space, with the hierarchy."""
     local = part.local
-    vectors = len(local.positions) + (0 if local.normals is None else len(local.normals))
     instances = len(part.rows)
-    arrays = part.steps * 12 * vectors * (1 + instances)
+    arrays = part.steps * 12 * int(_counts(local).sum()) * (1 + instances)
     return arrays + (part.steps - 1) * _STEP_BYTES * len(local.triangles) * instances
 
 
@@ -213,54 +244,55 @@ def _rows_of(geometry: MeshExport, instances: list[int]) -> dict[int, _Rows]:
 
 def _table(geometry: MeshExport, parts: list[_Part], steps: int) -> Shapes:
     """The shapes of all instances of parts, in world space."""
-    rows = [row for part in parts for row in part.rows]
     part_of = {row: part for part in parts for row in part.rows}
+    rows, instances = list(part_of), geometry.inventory.instances
     triangles, users = _rows_of(geometry, rows), users_of(geometry.inventory)
-    transforms = Transforms.of([geometry.inventory.instances[row] for row in rows])
-    positions, normals, columns, first, first_normal = [], [], [], 0, 0
+    transforms = Transforms.of([instances[row] for row in rows])
+    ends = np.cumsum([_counts(part_of[row].local) for row in rows], axis=0)
+    positions, normals = (np.empty((steps, n, 3), np.float32) for n in ends[-1])
+    columns = []
     for k, row in enumerate(rows):
         part, own = part_of[row], triangles[row]
-        shared = users[geometry.inventory.instances[row].part] > 1
-        placed = _placed(part, *(column[k] for column in transforms), shared)
-        order = corner_order(transforms.mirrors[k])
-        corners = part.local.triangles[own.local][:, order] + np.int32(first)
-        index = np.full(corners.shape, -1, np.int32)
-        if part.local.normals is not None:
-            index = part.local.normal_index[own.local][:, order] + np.int32(first_normal)
-            if part.local.flat is not None:
-                index[part.local.flat[own.local]] = -1
-        columns.append((own.table, corners, index))
-        positions.append(placed[0])
-        normals.append(placed[1])
-        first, first_normal = first + placed[0].shape[1], first_normal + placed[1].shape[1]
+        first = ends[k] - _counts(part.local)
+        places = positions[:, first[0] : ends[k, 0]], normals[:, first[1] : ends[k, 1]]
+        moves = transforms.matrices[k], transforms.cofactors[k]
+        _place(part, *moves, users[instances[row].part] > 1, *places)
+        columns.append((own.table, *_corners(part.local, own, transforms.mirrors[k], *first)))
     table, corners, index = (np.concatenate(column) for column in zip(*columns, strict=True))
     order = np.argsort(table, kind="stable")
-    return Shapes(
-        triangle=table[order],
-        corners=np.ascontiguousarray(corners[order].astype(np.int32)),
-        positions=np.concatenate(positions, axis=1),
-        normals=np.concatenate(normals, axis=1),
-        normal_index=np.ascontiguousarray(index[order].astype(np.int32)),
-    )
+    corners, index = (np.ascontiguousarray(c[order].astype(np.int32)) for c in (corners, index))
+    return Shapes(table[order], corners, positions, normals, index)
 
 
-def _placed(part: _Part, matrix, cofactor, _mirror, shared):
-    """float32 (steps, n, 3) each: positions and normals of all steps under a matrix, float32
+def _counts(local: LocalMesh) -> np.ndarray:
+    """int64 (2,): how many positions and normals it has."""
+    return np.array([len(local.positions), 0 if local.normals is None else len(local.normals)])
+
+
+def _corners(local: LocalMesh, own: _Rows, mirrored, first, first_normal):
+    """Shapes.corners and normal_index of one instance; first: where its positions begin."""
+    order = corner_order(mirrored)
+    corners = local.triangles[own.local][:, order] + first
+    index = np.full(corners.shape, -1)
+    if local.normals is not None:
+        index = local.normal_index[own.local][:, order] + first_normal
+        if local.flat is not None:
+            index[local.flat[own.local]] = -1
+    return corners, index
+
+
+def _place(part: _Part, matrix, cofactor, shared, positions, normals) -> None:
+    """Write positions and normals of all steps, float32 (steps, n, 3) each, under a matrix, float32
     (3, 4)."""
-    local, middle = part.local, part.steps // 2
-    count = 0 if local.normals is None else len(local.normals)
-    positions = np.empty((part.steps, len(local.positions), 3), np.float32)
-    normals = np.empty((part.steps, count, 3), np.float32)
+    local = part.local
+    turn = matrix * WITHOUT_PLACE if local.radial else cofactor
     for step, own in enumerate(part.read):
-        own = None if step == middle else own
         places, vectors = (local.positions, local.normals) if own is None else own
         transform_points(matrix[None], places, positions[step : step + 1])
-        if count:
-            turn = matrix * WITHOUT_PLACE if local.radial else cofactor
+        if normals.shape[1]:
             transform_points(turn[None], vectors, normals[step : step + 1])
             if not shared:
                 make_unit(normals[step])
     broken = ~usable_vertices(local.positions)
     if broken.any():  # no triangle names them
         positions[:, broken] = 0.0
-    return positions, normals

@@ -36,6 +36,7 @@ def test_objects_can_be_set(scene):
         "is_shadow_catcher",
         "shadow_terminator_geometry_offset",
         "motion_steps",
+        "use_deform_motion",
         *GROUP,
     }
     expected = {

@@ -1,5 +1,5 @@
 """A part of the parity suite (`make parity` runs all of it): one in ten of those without noise, and
-of the others a few lamps, worlds, mixtures and depth of field."""
+of the others a few lamps, worlds, mixtures, depth of field and motion."""
 
 import bpy
 import pytest
@@ -17,6 +17,7 @@ _NOISY = (
     "Curves, metal",
     "Linking: two lamps",
     "Linking: emissive plane, shiny",
+    "Motion of shape keys",
 )
 _CHOSEN = [case for case in ALL_CASES if not case.noisy][::10]
 _CHOSEN += [case for case in ALL_CASES if case.name in _NOISY]
