@@ -29,10 +29,7 @@ def denoising(settings: DenoiseSettings) -> Denoising:
 @functools.cache
 def find_library() -> tuple[str, str]:
     """Path of the library, and why there is none where it is empty: one line for the user."""
-    problem = (
-        "this Blender comes without Open Image Denoise: use one of blender.org, or install the "
-        "system's library"
-    )
+    problem = "this Blender has no Open Image Denoise; those of blender.org have it"
     for path in _library_paths():
         try:
             load_library(path)

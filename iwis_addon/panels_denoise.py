@@ -16,7 +16,7 @@ def draw_denoise(layout, context, own) -> None:
     column.enabled = bool(path)
     column.prop(own, "denoise")
     if not path:
-        wrapped(layout, context, f"No noise is taken away: {problem}", "INFO")
+        wrapped(layout, context, problem[:1].upper() + problem[1:].partition(";")[0], "INFO")
         return
     if not own.denoise:
         return

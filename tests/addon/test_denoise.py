@@ -132,7 +132,7 @@ def test_without_a_library_there_is_a_warning_and_the_noisy_picture(
     after = render_iwis(noisy_scene, tmp_path)
     assert (after[COMBINED] == before).all() and (after[NOISY] == before).all()
     (warning,) = RenderJob.current.records[-1].stats.warnings
-    assert "keeps its noise" in warning and "without Open Image Denoise" in warning
+    assert "keeps its noise" in warning and "no Open Image Denoise" in warning
 
 
 def test_save_film_has_what_denoising_adds(noisy_scene, tmp_path):
