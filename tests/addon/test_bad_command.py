@@ -149,8 +149,11 @@ sys.exit(cli.main(sys.argv[3:]))
 """
 
 
-def interrupted(folder, where, number, *arguments):
-    """Render 256 x 256 pixels of 4096 samples (a minute or two), struck when a phase begins."""
+def interrupted(folder, where, number, *arguments, lines=1):
+    """Render 256 x 256 pixels of 4096 samples (a minute or two), struck when a phase begins.
+
+    lines: of stderr that are expected
+    """
     blend = bad.save_cube_scene(folder / "cube.blend", None)
     settings = ("stop_rule=fixed", "max_samples=4096", "tile_px=8", "threads=1")
     done = subprocess.run(
@@ -166,7 +169,7 @@ def interrupted(folder, where, number, *arguments):
         check=False,
     )
     assert done.returncode == 1, done
-    assert len(done.stderr.splitlines()) == 1, done.stderr
+    assert len(done.stderr.splitlines()) == lines, done.stderr
     return done.stderr
 
 
@@ -193,6 +196,17 @@ def test_interrupt_keeps_what_is_done(tmp_path, number):
     assert "holds what was done" in interrupted(tmp_path, "sampling", number)
     samples = read_exr_layers(tmp_path / "out_1.exr")["ViewLayer.IWIS Samples"]
     assert 0.0 < (samples > 0.0).mean() < 0.5
+
+
+@pytest.mark.slow
+def test_interrupt_while_denoising_keeps_the_noisy_picture(tmp_path):
+    """All of it, with a warning; the process waits for the library, and ends as it should."""
+    few = ("--set", "max_samples=4", "--set", "denoise=true")
+    stderr = interrupted(tmp_path, "denoising", signal.SIGINT, *few, lines=2)
+    assert "keeps its noise" in stderr and "holds what was done" in stderr
+    layers = read_exr_layers(tmp_path / "out_1.exr")
+    combined = layers["ViewLayer.Combined"]
+    assert (combined == layers["ViewLayer.Noisy Image"]).all() and combined[..., 3].all()
 
 
 @pytest.mark.slow
