@@ -22,6 +22,8 @@ from .settings import DenoiseSettings, RenderSettings
 
 # How soon a denoiser that is not wanted any more is left to itself.
 POLL_SECONDS = 0.01
+# Pixels around the picture: the library knows less at an edge, and colors its last pixels.
+_RIM = 8
 # The layers of Denoising Data -> channels: made of a tile's others where they are asked for.
 DATA_LAYERS = {"denoising_normal": 3, "denoising_albedo": 3, "denoising_depth": 1}
 NOISY = "noisy"  # combined before the noise was taken away
@@ -154,11 +156,11 @@ def denoised(
 
     told(fraction): see Device.run. Raises MemoryError or RuntimeError.
     """
-    images = {"color": as_image(picture.combined)}
+    images = {"color": _rimmed(picture.combined)}
     if settings.denoise_passes != "NONE":
-        images["albedo"] = as_image(picture.albedo)
+        images["albedo"] = _rimmed(picture.albedo)
     if settings.denoise_passes == "ALBEDO_NORMAL":
-        images["normal"] = as_image(picture.normal)
+        images["normal"] = _rimmed(picture.normal)
     guides = [name for name in images if name != "color"]
     prefilter = guides if settings.denoise_prefilter == "ACCURATE" else []
     quality, parts = QUALITIES[settings.denoise_quality], len(prefilter) + 1
@@ -173,7 +175,12 @@ def denoised(
         images[name] = image
     options = {"hdr": True, "quality": quality, "cleanAux": settings.denoise_prefilter != "FAST"}
     color = device.run(images, options, told_of(parts - 1))
-    return None if color is None else _put_back(picture, color)
+    return None if color is None else _put_back(picture, color[_RIM:-_RIM, _RIM:-_RIM])
+
+
+def _rimmed(layer: np.ndarray) -> np.ndarray:
+    """A layer as the library takes it, mirrored at its edges."""
+    return np.pad(as_image(layer), ((_RIM, _RIM), (_RIM, _RIM), (0, 0)), "symmetric")
 
 
 def denoise_apart(
