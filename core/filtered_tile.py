@@ -209,8 +209,8 @@ class FilteredTile:
         if not self._job.slices:
             yield self._job, rays, None
             return
-        times, number = self._job.scene.motion.times, int(rays.number[0])  # one pass at once
-        own = self._job.settings, *self._places(rays.pixel), number
+        times = self._job.scene.motion.times
+        own = self._job.settings, *self._places(rays.pixel), rays.number
         slices = pass_slices(*own, len(times))
         for k in np.unique(slices):
             yield self._job.slices[k], rays.at(slices == k), float(times[k])

@@ -6,6 +6,7 @@ cover the filter, the lens and the shutter's time evenly, and neighbours differ.
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,7 @@ _SHARP_PX = 1.0
 # Shadow rays of a point where lens or motion blur: 8 reach the same mean error in a fifth less time
 # than 4, but bright spots out of focus want many points (docs/decisions/0020-cameras.md).
 _BLURRED_SAMPLES = 4
+_APART = 2  # slices; a power of two
 PILOT = 4  # passes of every pixel, after which its neighbourhood is known
 
 
@@ -81,19 +83,25 @@ def pass_rays(
     return rays_through(camera, x, y, lens_uv, times)
 
 
-def pass_slices(settings: RenderSettings, columns, rows, number: int, slices: int) -> np.ndarray:
-    """int64 (n,): the slice of the shutter's time that ray ``number`` of pixels sees.
+def pass_slices(settings: RenderSettings, columns, rows, number, slices: int) -> np.ndarray:
+    """int64 (n,): the slice of the shutter's time that ray ``number``, int64 (n,), of pixels sees.
 
-    slices: a multiple of 4. A pixel goes through the quarters of the time in an order of its own,
-    four passes each; which slice of a quarter it is, all pixels of a pass have in common: so a pass
-    has points of four slices only, and their work is done in batches of a fair size.
+    slices: a power of two, 8 or more. In four passes a pixel goes through the quarters of the time
+    in an order of its own, at one place in all; so in as many passes as there are slices it sees
+    each once. Those four passes are taken together, and have points of few slices: pixels' places
+    in a quarter differ by less than _APART, so that few passes look less like a row of pictures.
     """
     own = 0 if settings.decorrelation == "NONE" else 1
-    u = unit_points(own * columns, own * rows, number, settings.seed, TIME)[:, 0]
+    place = own * columns, own * rows
+    u = unit_points(*place, number, settings.seed, TIME)[:, 0]
     inside = slices // 4
-    return np.minimum((u * 4.0).astype(np.int64), 3) * inside + _spread(number % inside, inside)
+    order = np.array([_spread(k, inside) for k in range(inside)])
+    aside = unit_points(*place, 0, settings.seed, TIME)[:, 1] * min(_APART, inside)
+    where = order[number // 4 % inside] ^ aside.astype(np.int64)
+    return np.minimum((u * 4.0).astype(np.int64), 3) * inside + where
 
 
+@functools.cache
 def _spread(k: int, n: int) -> int:
     """Number k of 0 ... n - 1 in an order whose beginnings are spread evenly [Corput35]."""
     order = sorted(range(n), key=lambda i: int(f"{i:016b}"[::-1], 2))

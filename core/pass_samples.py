@@ -39,8 +39,7 @@ _DARK = 1e-3  # albedo, of closures that reflect nothing
 class PassSampler:
     """Samples the points of a tile's passes.
 
-    together: how many passes may be taken at once; one where each is decided upon (rule PAPER), or
-        has a slice of the shutter's time in common
+    together: how many passes may be taken at once; one where each is decided upon (rule PAPER)
     lamps: what they bring to the pixels; groups: what else light groups do; occlusion: the pass of
         that name; surface: those of the surfaces alone
     traced: shadow rays so far, without theirs
@@ -56,7 +55,7 @@ class PassSampler:
         self.occlusion = TileOcclusion(job.scene, job.settings, job.accel, n)
         self.groups, self.surface = TileGroups(job.scene, n), SurfacePasses(job.scene, n)
         self._batch = samples_of_a_pass(job.settings, job.scene.camera)
-        alone = job.settings.stop_rule == "PAPER" or job.slices
+        alone = job.settings.stop_rule == "PAPER"
         self.together = 1 if alone else PASSES_AT_ONCE
         self.traced = 0
 

@@ -66,7 +66,7 @@ def error(layers, truth):
 
 
 def test_the_noise_falls(scene, noisy, truth):
-    """Of 4 samples; measured: to .26 of it (docs/decisions/0036-denoising.md)."""
+    """Of 4 samples; measured: to .26 of it (docs/decisions/0037-denoising.md)."""
     layers, stats = picture(scene, denoise=ON)
     assert error(layers, truth) < 0.5 * error(noisy, truth)
     assert stats.warnings == [] and stats.seconds["denoising"] > 0.0 and not stats.cancelled
