@@ -70,7 +70,7 @@ class IWIS_PT_passes_light_groups(IWISPanel, ViewLayerLightgroupsPanelHelper, bp
 
 
 class IWIS_PT_layer_denoising(IWISPanel, bpy.types.Panel):
-    """Blender's own panel of a view layer knows of no denoiser"""
+    """Whether this view layer is denoised, where the scene is"""
 
     bl_label = "Denoising"
     bl_context = "view_layer"
