@@ -2,7 +2,7 @@
 
 _EDGES = "edges of a pattern fall between two pixels, and steep highlights; tones agree"
 _RAYS = "Cycles follows BSDF rays through it as well, whose Light Path is another"
-_MOVES = "noise where things move: a pass sees four slices of time (record 24); tones agree"
+_MOVES = "noise where things move, in slices of the time (record 24); tones agree"
 _HORIZON = "one row of pixels, in which the sky triples within two texels of .18 degrees"
 _FINE = "highlights and strands finer than a pixel; tones agree"
 _RIBBONS = "Cycles' flat ribbons face the ray and end in a line: less of them is seen from above"
@@ -45,10 +45,7 @@ WHY = {
     "Transparent by a checker": _EDGES,
     "Translucent leaf, glossy and cut out": _EDGES,
     "Principled, alpha by noise": _EDGES,
-    "Camera objects in motion": _MOVES,
     "Camera objects in motion, glowing checks": _MOVES,
-    "Camera objects in motion, followed": _MOVES,
-    "Motion of shapes and objects": _MOVES,
     "Motion of an object that shines": _MOVES,
     "Motion of particle hair": _FINE,
     "Motion of a shape that shines": _MOVES,
