@@ -120,7 +120,7 @@ def export_scene(
         asked=NO_PASSES if live is not None else read_asked(depsgraph, geometry, warnings),
         object_to_world=None if live is None else _places(geometry),
     )
-    return _with_lamps(unlit, geometry, warnings)
+    return _with_lamps(unlit, geometry, texels, warnings)
 
 
 def _places(geometry: MeshExport) -> np.ndarray:
@@ -128,13 +128,13 @@ def _places(geometry: MeshExport) -> np.ndarray:
     return np.array(places, np.float64).reshape(-1, 4, 4)
 
 
-def _with_lamps(scene: Scene, geometry: MeshExport, warnings: list[str]) -> Scene:
-    """The scene with its lamps, and its faces that shine."""
+def _with_lamps(scene: Scene, geometry: MeshExport, cache, warnings: list[str]) -> Scene:
+    """The scene with its lamps, and its faces that shine. cache: a TexelCache, or None"""
     turned: list[int] = []
     inventory, emission = geometry.inventory, scene.materials.emission
     every = [look.asked for look in inventory.looks]
     own = inventory.links.rows_of(every), rows_of(every, inventory.groups)
-    rows, texels = with_pictures(inventory.lamps, scene.camera)
+    rows, texels = with_pictures(inventory.lamps, scene.camera, cache)
     lamps = with_emitters(rows, scene.mesh, emission, scene, turned, *own)
     if len(texels):
         lamps = lamps._replace(texels=texels)

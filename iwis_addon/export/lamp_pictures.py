@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -12,7 +13,9 @@ from ...core.nodes.lamp_map import LampPlaces, lamp_picture
 from ...core.nodes.world_map import reached_ops
 from ...core.program import ImageTiles
 from ...core.scene import Camera
+from .texel_cache import TexelCache
 
+_OF_THE_VIEW = ("ShaderNodeCameraData", "ShaderNodeLightPath", "ShaderNodeVectorTransform")
 _LEAST, _MOST = 256, 1024  # texels along a side
 _WIDEST = math.radians(89.99)  # half a spot's angle: the tangent of a right one is none
 _LUMINANCE = np.float32([0.2126, 0.7152, 0.0722])
@@ -35,26 +38,33 @@ def places_of(light, kind: int, matrix: np.ndarray) -> LampPlaces | None:
     return LampPlaces(matrix, radius=radius, slope=math.tan(half), flat=math.cos(half) > PLANE_EDGE)
 
 
-def with_pictures(rows: list[dict], camera: Camera) -> tuple[list[dict], np.ndarray]:
+def with_pictures(
+    rows: list[dict], camera: Camera, cache: TexelCache | None = None
+) -> tuple[list[dict], np.ndarray]:
     """The rows of lamps for make_lamps, and Lamps.texels.
 
     rows: of read_lamp; "light" and "places" of those that vary become "picture", and their mean
-    a part of their radiance. What is dark is left out.
+    a part of their radiance. What is dark is left out. cache: of the job: a picture is made anew
+    where its lamp has changed
     """
+    cache = cache or TexelCache()
     made, texels, end = [], [np.zeros((0, 3), np.float32)], 0
-    for row in rows:
+    for number, row in enumerate(rows):
         if "light" not in row:
             made.append(row)
             continue
         row = dict(row)
-        (program, value), places = row.pop("light"), row.pop("places")
+        light, places = row.pop("light"), row.pop("places")
+        program, value = light
         ops = reached_ops(program, value).values()
         side = _side(ops)
         if any(op.kind == IES for op in ops):
             flat = places.flat and places.slope > 0.0
             places = places._replace(by_direction=True, flat=flat)
         size = (side, side) if places.flat else (2 * side, side)
-        picture = lamp_picture(program, value, places, camera, *size).reshape(-1, 3)
+        seen = camera if any(map(_asks_for_view, ops)) else None
+        make = functools.partial(lamp_picture, program, value, places, camera, *size)
+        picture = cache.kept(("lamp", number), (light, places, size, seen), make).reshape(-1, 3)
         mean = float((picture @ _LUMINANCE).mean(dtype=np.float64))
         if not mean > 0.0:
             continue
@@ -63,6 +73,13 @@ def with_pictures(rows: list[dict], camera: Camera) -> tuple[list[dict], np.ndar
         texels.append(picture / np.float32(mean))
         end += len(picture)
     return made, np.concatenate(texels)
+
+
+def _asks_for_view(op) -> bool:
+    """Whether what an operation gives depends on the camera."""
+    if op.kind == "ShaderNodeTexCoord":
+        return bool(op.settings["outputs"] & {"Camera", "Window"})
+    return op.kind in _OF_THE_VIEW
 
 
 def _side(ops) -> int:

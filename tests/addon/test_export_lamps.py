@@ -19,7 +19,7 @@ from iwis.core.lamps import (
     SPHERE,
     SUN,
 )
-from iwis.iwis_addon.export import export_scene
+from iwis.iwis_addon.export import ExportCache, export_scene, lamp_pictures
 from support.above import look_from_above
 from support.exported_lamps import exported
 
@@ -171,6 +171,36 @@ def test_copies_of_a_lamp_have_a_picture_each(scene):
     assert lamps.picture[1, 0] == lamps.picture[0, 1] * lamps.picture[0, 2]
     red = [part.mean() for part in np.split(lamps.texels[:, 0], 2)] * lamps.radiance[:, 0]
     assert red[1] == pytest.approx(2.0 * red[0], rel=1e-3)
+
+
+def test_a_picture_is_made_anew_where_its_lamp_has_changed(scene, monkeypatch):
+    """From frame to frame: not for another thing that moves, nor for the camera unless asked."""
+    made, original = [], lamp_pictures.lamp_picture
+
+    def counted(*given):
+        made.append(given)
+        return original(*given)
+
+    monkeypatch.setattr(lamp_pictures, "lamp_picture", counted)
+    obj, cache = add_light("AREA", energy=5.0), ExportCache()
+    _dress(obj, "ShaderNodeTexCoord", "UV")
+
+    def count():
+        made.clear()
+        lamps = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=[], cache=cache).lamps
+        return len(made), lamps
+
+    (first, before), (again, after) = count(), count()
+    assert (first, again) == (1, 0)
+    np.testing.assert_array_equal(before.texels, after.texels)
+    bpy.context.scene.camera.location.x += 1.0
+    assert count()[0] == 0
+    obj.location.x += 1.0
+    assert count()[0] == 1
+    _dress(obj, "ShaderNodeCameraData", "View Vector")
+    assert count()[0] == 1
+    bpy.context.scene.camera.location.x += 1.0
+    assert count()[0] == 1
 
 
 def test_a_black_picture_is_no_lamp(scene):
