@@ -127,8 +127,9 @@ def _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays,
     )
     if not lamps.shadow[i]:
         sums[p, UNOCCLUDED] += light[n, UNOCCLUDED]
+        column = _column_of(lamps.group[i], sums)
         for color in range(3):
-            _bring(lamps.group[i], color, light, n, sums, p)
+            _bring(column, color, light, n, sums, p)
         return n
     if not _aim(points, p, wi, far, lifted, offset, rays, n):
         return n
@@ -137,13 +138,20 @@ def _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays,
 
 
 @kernel(forceinline=True)
-def _bring(group, color, light, n, sums, p):
-    """Add a color of row n of light to point p, and to a light group that has columns there."""
+def _column_of(group, sums):
+    """First column of a light group in sums; 0 where it has none."""
+    if sums.shape[1] == COLUMNS or group < 0:
+        return 0
+    return COLUMNS + 3 * group
+
+
+@kernel(forceinline=True)
+def _bring(column, color, light, n, sums, p):
+    """Add a color of row n of light to point p, and to the columns of a light group."""
     sums[p, color] += light[n, color]
     sums[p, 3 + color] += light[n, 3 + color]
-    column = COLUMNS + 3 * group + color
-    if group >= 0 and column < sums.shape[1]:
-        sums[p, column] += light[n, color] + light[n, 3 + color]
+    if column > 0:
+        sums[p, column + color] += light[n, color] + light[n, 3 + color]
 
 
 @kernel(forceinline=True)
@@ -234,10 +242,11 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
 def _add(lamps, rays, n, blocked, sums):
     for k in range(n):
         p = rays.point[k]
+        column = _column_of(lamps.group[rays.lamp[k]], sums)
         sums[p, UNOCCLUDED] += rays.light[k, UNOCCLUDED]
         for color in range(3):
             if not (blocked[k] >> color) & 1:
-                _bring(lamps.group[rays.lamp[k]], color, rays.light, k, sums, p)
+                _bring(column, color, rays.light, k, sums, p)
 
 
 @aside()
