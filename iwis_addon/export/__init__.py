@@ -79,25 +79,13 @@ def export_scene(
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
     camera = camera or export_camera(depsgraph, warnings, region=region)
-    keep = (live or LiveExport()).keep
-    least_height = None if live is None else LEAST_IN_WINDOW
     read = export_mesh(depsgraph, warnings, cache, cancelled)
     if geometry is not None:
         geometry.append(read)
     geometry = read
     texels = None if cache is None else cache.texels
-    materials, measured = keep(
-        "materials",
-        geometry.materials,
-        warnings,
-        lambda lines: _export_materials(geometry, texels, lines),
-    )
-    world = keep(
-        "world",
-        [world_of(depsgraph)],
-        warnings,
-        lambda lines: read_world(depsgraph, lines, texels, cancelled, least_height),
-    )
+    own = depsgraph, geometry, live, texels, cancelled, warnings
+    (materials, measured), world = _materials_and_world(*own)
     if cancelled():
         raise ExportCancelled
     scene = depsgraph.scene_eval
@@ -121,6 +109,25 @@ def export_scene(
         object_to_world=None if live is None else _places(geometry),
     )
     return _with_lamps(unlit, geometry, texels, warnings)
+
+
+def _materials_and_world(depsgraph, geometry: MeshExport, live, texels, cancelled, warnings):
+    """(what _export_materials gives, what read_world gives); in a window what has changed alone."""
+    keep = (live or LiveExport()).keep
+    least_height = None if live is None else LEAST_IN_WINDOW
+    materials = keep(
+        "materials",
+        geometry.materials,
+        warnings,
+        lambda lines: _export_materials(geometry, texels, lines),
+    )
+    world = keep(
+        "world",
+        [world_of(depsgraph)],
+        warnings,
+        lambda lines: read_world(depsgraph, lines, texels, cancelled, least_height),
+    )
+    return materials, world
 
 
 def _places(geometry: MeshExport) -> np.ndarray:

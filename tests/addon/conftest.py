@@ -8,6 +8,7 @@ if importlib.util.find_spec("bpy") is None:
     collect_ignore_glob = ["*"]
 else:
     import bpy
+    from parity.scene import empty_scene
 
     import iwis
     from support.bad_scenes import build_cube_scene
@@ -37,3 +38,15 @@ def cube_scene(scene):
     build_cube_scene(scene)
     scene.iwis.max_samples = 8
     return scene
+
+
+@pytest.fixture
+def parts(scene):
+    """(scene, a sphere, a cube, a floor), blurred over a whole frame at frame 1."""
+    scene, tree = empty_scene(lit=True)
+    tree.surface(tree.made("ShaderNodeBsdfDiffuse", 0))
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
+    scene.frame_set(1)
+    meshes = [obj for obj in scene.objects if obj.type == "MESH"]
+    sphere, cube, floor = (next(o for o in meshes if w in o.name) for w in ("here", "ube", "lane"))
+    return scene, sphere, cube, floor

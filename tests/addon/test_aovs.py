@@ -10,7 +10,7 @@ from iwis.iwis_addon.job import RenderJob
 from iwis.operators.save_film import film_layers
 from support.compositor import sockets_by_engine
 from support.cycles_render import use_cycles
-from support.iwis_render import render_iwis
+from support.iwis_render import by_pass, render_iwis
 from support.material_builds import Build
 
 
@@ -66,11 +66,6 @@ def told_scene(cube_scene):
     scene.render.resolution_x, scene.render.resolution_y = 64, 48
     scene.iwis.stop_rule, scene.iwis.max_samples = "FIXED", 256
     return scene
-
-
-def by_pass(layers):
-    """A file's layers without the view layer's name."""
-    return {name.partition(".")[2]: pixels for name, pixels in layers.items()}
 
 
 @pytest.mark.slow

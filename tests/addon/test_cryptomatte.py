@@ -14,7 +14,7 @@ from iwis.iwis_addon.passes import MATTES
 from iwis.operators.save_film import film_layers
 from support.compositor import IS_5, empty_tree
 from support.cycles_render import use_cycles
-from support.iwis_render import render_iwis
+from support.iwis_render import by_pass, render_iwis
 
 
 @pytest.fixture
@@ -105,11 +105,6 @@ def test_all_is_that_of_cycles(matte_scene, tmp_path):
     assert "Ball ü" not in told["ViewLayer.CryptoAsset"]  # the cube's
     for name in ("Mist", "UV"):
         assert np.sqrt(((ours[name] - theirs[name]) ** 2).mean()) < 0.02
-
-
-def by_pass(layers):
-    """A file's layers without the view layer's name."""
-    return {name.partition(".")[2]: pixels for name, pixels in layers.items()}
 
 
 @pytest.mark.parametrize("levels", [2, 6])

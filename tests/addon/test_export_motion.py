@@ -2,7 +2,6 @@
 
 import functools
 import math
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -12,6 +11,7 @@ from iwis.iwis_addon.export import export_scene
 from iwis.iwis_addon.export.motion import export_in_motion, shutter_times
 from iwis.iwis_addon.job import RenderJob
 from iwis.iwis_addon.session import FinalRender
+from support.frames import engine_of
 from support.iwis_render import render_iwis
 
 
@@ -220,13 +220,10 @@ def told(moving):
     """Exports with motion: the scene, and what is told."""
 
     def run():
-        engine = SimpleNamespace(
-            frame_set=lambda frame, part: moving.frame_set(frame, subframe=part)
-        )
         lines = []
         depsgraph = bpy.context.evaluated_depsgraph_get()
         export = functools.partial(export_scene, depsgraph, warnings=lines)
-        return export_in_motion(engine, depsgraph, lines, export), lines
+        return export_in_motion(engine_of(moving), depsgraph, lines, export), lines
 
     return run
 

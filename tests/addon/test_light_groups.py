@@ -11,7 +11,7 @@ from iwis.iwis_addon.job import RenderJob
 from iwis.operators.save_film import film_layers
 from support.compositor import sockets_by_engine
 from support.cycles_render import use_cycles
-from support.iwis_render import render_iwis
+from support.iwis_render import by_pass, render_iwis
 from support.material_builds import Build
 
 GROUPS = ("Sky", "Key", "Shining", "Made by", "Empty")
@@ -75,11 +75,6 @@ def _add_instancer(sheet):
     empty.instance_type, empty.instance_collection = "COLLECTION", inner
     empty.location, empty.lightgroup = (1.2, 1.4, 0.6), "Made by"
     bpy.context.scene.collection.objects.link(empty)
-
-
-def by_pass(layers):
-    """A file's layers without the view layer's name."""
-    return {name.partition(".")[2]: pixels for name, pixels in layers.items()}
 
 
 @pytest.mark.slow

@@ -1,7 +1,6 @@
 """The Vector pass beside Cycles', and what is read for it."""
 
 import functools
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -12,7 +11,8 @@ from iwis.iwis_addon.export import export_scene
 from iwis.iwis_addon.export.pixel_motion import export_with_vectors, wants_vectors
 from support.compositor import sockets_by_engine
 from support.cycles_render import use_cycles
-from support.iwis_render import render_iwis
+from support.frames import engine_of
+from support.iwis_render import by_pass, render_iwis
 
 
 def _keyed(owner, **values):
@@ -62,11 +62,6 @@ def moving(cube_scene):
     scene.iwis.stop_rule, scene.iwis.max_samples = "FIXED", 16
     scene.iwis.filter_width = 0.01
     return scene
-
-
-def by_pass(layers):
-    """A file's layers without the view layer's name."""
-    return {name.partition(".")[2]: pixels for name, pixels in layers.items()}
 
 
 def both(scene, folder):
@@ -121,10 +116,9 @@ def test_sockets_are_those_of_cycles(cube_scene):
 
 
 def exported(scene):
-    engine = SimpleNamespace(frame_set=lambda frame, part: scene.frame_set(frame, subframe=part))
     graph = bpy.context.evaluated_depsgraph_get()
     export = functools.partial(export_scene, graph, warnings=[])
-    return export_with_vectors(engine, graph, export).pixel_motion
+    return export_with_vectors(engine_of(scene), graph, export).pixel_motion
 
 
 def test_what_stands_has_no_row(moving):

@@ -25,3 +25,8 @@ def render_iwis(scene, folder) -> dict[str, np.ndarray]:
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
     return read_exr_layers(path)
+
+
+def by_pass(layers: dict) -> dict:
+    """A file's layers without the view layer's name."""
+    return {name.partition(".")[2]: pixels for name, pixels in layers.items()}
