@@ -4,7 +4,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
 
     _parts, addresses                               -1  how kernels are put together; raw memory
     _jit, settings, program, lamps, object_motion,   0  how kernels are kept; all defaults
-    compile_apart, rows, turns, asked_passes
+    compile_apart, rows, turns, asked_passes, bake_points
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers, triangle_pairs,
@@ -16,7 +16,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     bump, stretched, lobes, cell_numbers, shapes
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
-    voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser
+    voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser, bake_rays
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, sample_order, measured, lobe_setup, embree_instances
@@ -28,7 +28,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
     emitters
     scene_rays, block_loop, reference, catchers,     8  UNBIASED's loop; estimators to compare with
-    unbiased_rays, shader_values
+    unbiased_rays, shader_values, roughness
     two_stage, tile_job, render_cache, loop_types,   9  another one; a tile's work; what is kept
     surface_passes
     merged_layers, tile_lamps, budget, warm_up,     10  closures together; BUDGET
@@ -36,5 +36,5 @@ In the order of the data; a module imports only from groups with a smaller numbe
     pass_samples, pass_plan                         11  passes of a tile, how many are wanted
     center_tile, filtered_tile                      12  one shading point a pixel, several
     render                                          13  the entry point
-    progressive, pixel_view, denoised_render        14  pictures for a window; one pixel's samples
+    progressive, pixel_view, denoised_render, bake  14  pictures for a window; one pixel's samples
 """

@@ -63,13 +63,14 @@ class LightGroups(NamedTuple):
 class AskedPasses(NamedTuple):
     """occlusion_distance: metres that rays of the ambient-occlusion pass go, 0 = it is not wanted;
     mist, uv: None = they are not wanted either; mattes: the kinds of Cryptomatte
-    that are wanted; groups: of lights, none = they are not wanted."""
+    that are wanted; groups: of lights, none = they are not wanted; roughness: whether it is."""
 
     occlusion_distance: float = 0.0
     mist: Mist | None = None
     uv: UvMaps | None = None
     mattes: tuple[Matte, ...] = ()
     groups: LightGroups = LightGroups()
+    roughness: bool = False
 
 
 NO_PASSES = AskedPasses()

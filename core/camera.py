@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .bake_rays import bake_rays
 from .lens import aperture_point
 from .panorama import panorama_code, panorama_direction
 from .panorama_places import panorama_places, space_axes
@@ -30,6 +31,15 @@ class CameraRays(NamedTuple):
     origins: np.ndarray
     directions: np.ndarray
     reach: np.ndarray
+
+
+class SurfaceRays(NamedTuple):
+    """Rays of which it is known where they end: CameraRays, and the hits of an Accel."""
+
+    origins: np.ndarray
+    directions: np.ndarray
+    reach: np.ndarray
+    hits: tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 class _View(NamedTuple):
@@ -165,12 +175,14 @@ def _fill_rays(view, x, y, lens_uv, times, pose, ray, rays):
             rays.origins[k, a] = origin + ray[6] * direction
 
 
-def rays_through(camera: Camera, x, y, lens_uv=None, times=None) -> CameraRays:
+def rays_through(camera: Camera, x, y, lens_uv=None, times=None) -> CameraRays | SurfaceRays:
     """The rays through points of the frame: x, y float64 (n,), pixels, y up; centres are at .5.
 
     lens_uv: float64 (n, 2), numbers in [0, 1) that choose points of the lens; None: its centre
     times: float64 (n,), parts of the shutter's time, 0 to 1; None: camera.camera_to_world
     """
+    if camera.bake is not None:
+        return SurfaceRays(*bake_rays(camera.bake, camera, x, y))
     if times is None and camera.motion is not None:
         camera = _standing(camera)
     n = len(x)

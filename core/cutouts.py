@@ -121,6 +121,7 @@ def points_through(
     directions: np.ndarray,
     dither: np.ndarray | None,
     tints: np.ndarray | None = None,
+    hits: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
 ) -> ShadingPoints:
     """The points where camera rays end; ``pixel`` is the row of the ray, ascending.
 
@@ -128,9 +129,10 @@ def points_through(
         share it is the number for the next surface; None: where half or more passes
     tints: float32 (n, 3), of ones; gets ShadingPoints.through of each ray, those too that hit
         nothing in the end
+    hits: what rays meet, as of accel.intersect, and nothing after that; None: it is asked
     """
     tints = np.ones((len(origins), 3), np.float32) if tints is None else tints
-    hit, u, v = accel.intersect(origins, directions)
+    hit, u, v = accel.intersect(origins, directions) if hits is None else hits
     offsets = scene.terminator_offset
     points = posed_points(scene.pose, scene.mesh, hit, u, v, directions, offsets)
     if cut_materials(scene) is None:
@@ -146,6 +148,8 @@ def points_through(
         tints[points.pixel] *= color[goes] / passing[goes, None]
         if numbers is not None:
             numbers[points.pixel] = number[goes] / passing[goes]
+        if hits is not None:
+            points = points.at(slice(0))
         if not len(points.pixel):
             break
         rays = points.pixel

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .asked_passes import NO_PASSES, AskedPasses
+from .bake_points import BakePoints
 from .lamps import NO_LAMPS, LampLink, Lamps
 from .object_motion import ObjectMotion, PixelMotion, Pose
 from .program import Shaders, WorldProgram
@@ -202,6 +203,7 @@ class Camera:
     region: (x0, y0, x1, y1), the pixels to render, x1 and y1 not included, y up from the bottom
     clip_start, clip_end: metres along -z, PANORAMIC: along the ray; hits outside are not seen
     panorama: of PANORAMIC; lens: None = all is sharp; motion: None = it stands still
+    bake: what its rays end at instead, the frame is an image; None: it is a camera
     """
 
     kind: str
@@ -215,6 +217,7 @@ class Camera:
     panorama: Panorama | None = None
     lens: Lens | None = None
     motion: CameraMotion | None = None
+    bake: BakePoints | None = None
 
     def __post_init__(self):
         x0, y0, x1, y1 = self.region

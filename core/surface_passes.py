@@ -1,4 +1,4 @@
-"""Passes that need no light: mist, UV, vectors, mattes and AOVs, of all that a pixel's rays hit.
+"""Passes that need no light: mist, UV, vectors, mattes, AOVs and roughness, of all that is hit.
 
 They cost nothing where the scene asks for none of them.
 """
@@ -10,6 +10,7 @@ import numpy as np
 from .catchers import plays
 from .cryptomatte import TileMattes
 from .pixel_motion import TileVectors
+from .roughness import TileRoughness
 from .scene import HOLDOUT, Scene
 from .shader_values import TileAov
 from .shading import ShadingPoints
@@ -26,6 +27,8 @@ class SurfacePasses:
             self._kinds.append(TileMist(n))
         if asked.uv is not None:
             self._kinds.append(TileUv(n))
+        if asked.roughness:
+            self._kinds.append(TileRoughness(n))
         if scene.pixel_motion is not None:
             self._kinds.append(TileVectors(n))
         if scene.shaders is not None:

@@ -16,7 +16,7 @@ from . import compile_apart
 from .accel import Accel
 from .backdrop import Backdrop
 from .block_loop import Places, Room, continue_blocks, new_room
-from .camera import CameraRays
+from .camera import CameraRays, SurfaceRays
 from .cutouts import points_through
 from .film import Tile
 from .guide import Guides
@@ -143,14 +143,17 @@ class SeenPoints(NamedTuple):
         )
 
 
-def trace_points(job: Job, rays: CameraRays, dither=None, tints=None) -> ShadingPoints:
+def trace_points(
+    job: Job, rays: CameraRays | SurfaceRays, dither=None, tints=None
+) -> ShadingPoints:
     """The points that camera rays see; ``pixel`` is the row of the ray.
 
     dither, tints: of cutouts.points_through
     """
-    origins, directions, reach = rays
+    origins, directions, reach = rays[:3]
     looks = _that_look(origins, directions)
-    points = points_through(job.scene, job.accel, *looks, dither, tints)
+    hits = rays.hits if isinstance(rays, SurfaceRays) else None
+    points = points_through(job.scene, job.accel, *looks, dither, tints, hits)
     near_enough = np.empty(len(points.pixel), np.bool_)
     find_within(points, origins, reach, near_enough)
     return points if near_enough.all() else points.at(near_enough)

@@ -6,6 +6,7 @@ import logging
 
 import bpy
 
+from .bake import BakeRender, is_bake
 from .dependencies import MissingPackage
 from .export import ExportError
 from .job import ENGINE, RenderJob
@@ -41,6 +42,8 @@ class IWISRenderEngine(bpy.types.RenderEngine):
         self.failure = None
         if self.is_preview:
             self.session = PreviewRender(self, depsgraph)
+        elif is_bake(self):
+            self.session = BakeRender(self, RenderJob.get())
         else:
             self.session = FinalRender(self, depsgraph, RenderJob.get())
         try:
@@ -58,6 +61,16 @@ class IWISRenderEngine(bpy.types.RenderEngine):
         except _CAUGHT as error:
             self.failure = error
         session.complete()
+        self.tell_failure()
+
+    def bake(self, depsgraph, obj, pass_type, pass_filter, width, height):
+        """Bake one image of an object, after update(); a failure leaves it black and is told."""
+        try:
+            if self.failure is not None:
+                raise self.failure
+            self.session.bake(obj, pass_type, pass_filter, width, height)
+        except _CAUGHT as error:
+            self.failure = error
         self.tell_failure()
 
     def view_update(self, context, depsgraph):

@@ -74,7 +74,7 @@ class IWIS_PT_statistics(IWISPanel, bpy.types.Panel):
 
     bl_label = "Statistics"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
-    bl_order = 6
+    bl_order = 7
 
     @classmethod
     def poll(cls, context):

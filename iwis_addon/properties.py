@@ -4,6 +4,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 from ..core.settings import CHOICES, LIMITS, RenderSettings
+from .bake_kinds import KINDS
 from .denoise_properties import choice, switch
 from .viewport_properties import IWISViewportProperties
 
@@ -154,6 +155,13 @@ class IWISSceneProperties(bpy.types.PropertyGroup):
         name="Keep Film",
         description="Keep every layer of the last render in memory, so that it can be saved",
         default=False,
+        options=set(),
+    )
+    bake_type: EnumProperty(
+        name="Bake Type",
+        description="What the panel's button bakes into the active image of each material",
+        items=KINDS,
+        default="COMBINED",
         options=set(),
     )
     denoise: BoolProperty(

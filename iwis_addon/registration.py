@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from .. import operators
 from . import (
+    bake,
     dependencies,
     engine,
     job,
     measured,
     panels,
+    panels_bake,
     panels_camera,
     panels_lamp,
     panels_object,
@@ -27,11 +29,13 @@ MODULES = (
     properties,
     operators,
     job,
+    bake,
     viewport,
     view_overlay,
     engine,
     sampling_presets,
     panels,
+    panels_bake,
     panels_camera,
     panels_lamp,
     panels_object,

@@ -33,6 +33,7 @@ MAY_IMPORT_OF_CORE = {
     "iwis_addon/export": {"scene", "settings", "film", "measured", "table_cache", "program"}
     | {
         "asked_passes",
+        "bake_points",
         "lamps",
         "emitters",
         "islands",

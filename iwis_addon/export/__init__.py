@@ -14,6 +14,7 @@ program_builder, ..._nodes, ..._images, surface_data
                              value nodes to operations, with all that these look up
 asked, light_groups, aovs    passes on request: mist, mattes, ambient occlusion, groups of lights,
                              what nodes write
+bake                         triangles of an object for the texels that Blender wants baked
 measured                     materials with a measured BRDF in place of nodes
 live, late_sky               a window's scene, of which only what has changed is read again, and
                              whose skies are not waited for

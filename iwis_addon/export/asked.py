@@ -29,11 +29,11 @@ def read_asked(depsgraph, geometry: MeshExport, warnings: list[str]) -> AskedPas
     layer, world = depsgraph.view_layer_eval, world_of(depsgraph)
     occlusion, mist, uv = 0.0, None, None
     if layer.use_pass_ambient_occlusion:
-        occlusion = _OCCLUSION_DISTANCE if world is None else float(world.light_settings.distance)
+        occlusion = occlusion_distance(depsgraph)
     if layer.use_pass_mist:
         mist = _MIST if world is None else _mist_of(world.mist_settings)
     if layer.use_pass_uv:
-        uv = _uv_maps(geometry)
+        uv = uv_maps(geometry)
     tell_of_world(depsgraph, warnings)
     levels = layer.pass_cryptomatte_depth
     mattes = tuple(_matte(kind, levels, geometry) for kind in wanted_mattes(layer))
@@ -42,7 +42,14 @@ def read_asked(depsgraph, geometry: MeshExport, warnings: list[str]) -> AskedPas
     return AskedPasses(occlusion, mist, uv, mattes, groups)
 
 
-def _uv_maps(geometry: MeshExport) -> UvMaps:
+def occlusion_distance(depsgraph) -> float:
+    """Metres that rays of ambient occlusion go: of the world."""
+    world = world_of(depsgraph)
+    return _OCCLUSION_DISTANCE if world is None else float(world.light_settings.distance)
+
+
+def uv_maps(geometry: MeshExport) -> UvMaps:
+    """The active map of every mesh."""
     requests = (frozenset({_UV}),) * len(geometry.materials)
     found = surface_data(geometry.inventory, geometry.mesh, geometry.kept, requests, [])
     corners = found.tables.get(_UV)

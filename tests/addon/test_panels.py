@@ -11,6 +11,7 @@ from iwis.core.scene import PANORAMAS
 from iwis.core.stats import RenderStats
 from iwis.iwis_addon import (
     panels,
+    panels_bake,
     panels_camera,
     panels_lamp,
     panels_passes,
@@ -101,6 +102,7 @@ CAMERA_PANELS = [panels_camera.IWIS_PT_motion_blur, panels_camera.IWIS_PT_motion
 PANELS = [
     *panels.CLASSES,
     *CAMERA_PANELS,
+    *panels_bake.CLASSES,
     *panels_passes.CLASSES,
     *panels_status.CLASSES,
     *panels_world.CLASSES,
@@ -180,7 +182,7 @@ def test_order_and_words_are_blenders():
     labels = {cls.bl_label: cls.bl_order for cls in PANELS if hasattr(cls, "bl_order")}
     assert sorted(labels, key=labels.get) == [
         "Warnings", "Sampling", "Light", "Simplify", "Motion Blur", "Film", "Performance",
-        "Statistics",
+        "Bake", "Statistics",
     ]  # fmt: skip
 
 

@@ -42,7 +42,7 @@ def test_every_setting_has_a_property(scene, name):
 def test_no_property_is_without_effect(scene):
     """What the panel shows of the sampler reaches the sampler."""
     own = {name for name in scene.iwis.bl_rna.properties.keys() if name not in ("name", "rna_type")}
-    assert own - set(FIELDS) == {"keep_film", "use_animated_seed", "viewport"}
+    assert own - set(FIELDS) == {"bake_type", "keep_film", "use_animated_seed", "viewport"}
 
 
 def test_defaults_survive_the_way_through_blender(scene):

@@ -69,12 +69,13 @@ def way(request, monkeypatch):
 def test_roof_lets_its_share_of_the_light_through(way, share):
     """An even sky over a roof over a floor of albedo .5: radiance .5 times the share.
 
-    4096 rays a pixel, 36 pixels: standard error .0006 of 1.
+    4096 rays a pixel, 36 pixels: a standard error of .0011 of 1, of which three; grids keep a share
+    to half a step of 255.
     """
     scene = _under_a_roof(_card(share))
     layers, _ = make_picture(scene, max_samples=4096, stop_rule="FIXED")
     radiance = layers["combined"][..., :3].mean()
-    assert abs(radiance - 0.5 * share) <= 0.5 * 0.003
+    assert abs(radiance - 0.5 * share) <= 0.5 * (3 * 0.0011 + 0.5 / 255)
 
 
 def test_camera_sees_through_a_roof(way):
