@@ -108,11 +108,6 @@ def _pixels(one, size) -> np.ndarray:
     return values
 
 
-def is_bake(engine) -> bool:
-    """Whether Blender calls update() for a bake: only then it has said nothing of a picture."""
-    return engine.resolution_x == 0
-
-
 @persistent
 def _on_bake_end(_obj, _depsgraph=None):
     # Only in a window. The caches of a bake without one stay until the next render.

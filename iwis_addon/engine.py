@@ -6,7 +6,7 @@ import logging
 
 import bpy
 
-from .bake import BakeRender, is_bake
+from .bake import BakeRender
 from .dependencies import MissingPackage
 from .export import ExportError
 from .job import ENGINE, RenderJob
@@ -42,10 +42,10 @@ class IWISRenderEngine(bpy.types.RenderEngine):
         self.failure = None
         if self.is_preview:
             self.session = PreviewRender(self, depsgraph)
-        elif is_bake(self):
-            self.session = BakeRender(self, RenderJob.get())
-        else:
+        elif RenderJob.rendering:
             self.session = FinalRender(self, depsgraph, RenderJob.get())
+        else:  # only a bake calls update() outside a render
+            self.session = BakeRender(self, RenderJob.get())
         try:
             self.session.export(depsgraph)
         except _CAUGHT as error:

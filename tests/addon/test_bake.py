@@ -6,6 +6,7 @@ import pytest
 
 from iwis.iwis_addon import panels_bake
 from iwis.iwis_addon.bake_kinds import KINDS, is_baked, parts_of
+from iwis.iwis_addon.job import RenderJob
 from support.cycles_render import use_cycles
 
 SIZE = 32  # finer than the ball's faces: over coarse texels Cycles spreads points otherwise
@@ -201,6 +202,18 @@ def test_without_camera_and_world(ball_scene):
     ball_scene.camera, ball_scene.world = None, None
     found, expected = (_bake(ball_scene, "COMBINED", engine) for engine in ("IWIS", "CYCLES"))
     np.testing.assert_allclose(found[..., :3].mean(), expected[..., :3].mean(), rtol=0.02)
+
+
+@pytest.mark.parametrize("persistent", [False, True])
+def test_after_a_render(ball_scene, persistent):
+    """Blender then keeps the picture's size, with Persistent Data the engine object as well."""
+    ball_scene.render.use_persistent_data = persistent
+    ball_scene.iwis.max_samples = 4
+    before = _bake(ball_scene, "EMIT")
+    bpy.ops.render.render()
+    np.testing.assert_array_equal(_bake(ball_scene, "EMIT"), before)
+    bpy.ops.render.render()
+    assert RenderJob.current.records[-1].stats.width == ball_scene.render.resolution_x
 
 
 def test_what_is_not_baked_is_told(ball_scene):
