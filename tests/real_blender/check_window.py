@@ -2,16 +2,16 @@
 
     python tests/real_blender/check_window.py
         [--quick | --life | --rules | --measure | --shots FOLDER | --render FOLDER |
-         --denoise FOLDER] [--seed N]
+         --denoise FOLDER | --bake FOLDER] [--seed N]
 
 First the extension's life, from installing its zip to its removal (life_in_window.py; alone with
 --life). Then previews, Escape in a render and the render after it (render_in_window.py; alone with
---render), and the denoiser's box (denoise_in_window.py; alone with --denoise). Then rules of what
-begins the picture anew (restarts.py; alone with --rules), and a hundred and more edits, undo, redo,
-engine switches, file loads and window resizes, each a step of edit_in_window.py; --quick does fewer
-of them. --measure prints latencies of the rendered view (measure_in_window.py), --shots takes the
-pictures of docs/ (shots_in_window.py) instead. real.py says what it needs; as root on Debian it is
-all there.
+--render), the denoiser's box (denoise_in_window.py; alone with --denoise), and bakes
+(bake_in_window.py; alone with --bake). Then rules of what begins the picture anew (restarts.py;
+alone with --rules), and a hundred and more edits, undo, redo, engine switches, file loads and
+window resizes, each a step of edit_in_window.py; --quick does fewer of them. --measure prints
+latencies of the rendered view (measure_in_window.py), --shots takes the pictures of docs/
+(shots_in_window.py) instead. real.py says what it needs; as root on Debian it is all there.
 """
 
 import sys
@@ -23,6 +23,12 @@ from real import HERE, ROOT, Blender, check, installed, parse
 from window import Window
 
 EDITS, QUICK_EDITS = 200, 50
+# Scripts that an option of this name runs alone.
+_ALONE = {
+    "render": "render_in_window.py",
+    "denoise": "denoise_in_window.py",
+    "bake": "bake_in_window.py",
+}
 
 
 class Watcher:
@@ -82,11 +88,11 @@ def live(blender, folder: Path, package: Path) -> None:
     run_script(fresh, folder, "life_in_window.py", [sample], [folder, package.resolve()])
 
 
-def denoise(blender, folder: Path) -> None:
-    """The denoiser's box, a render and the rendered view with it."""
+def with_statue(blender, folder: Path, script: str) -> None:
+    """One of the scripts that take the statue, and a folder for their pictures."""
     folder.mkdir(parents=True, exist_ok=True)
     sample = ROOT / "sample_blends" / "statue.blend"
-    run_script(blender, folder, "denoise_in_window.py", [sample], [folder.resolve()])
+    run_script(blender, folder, script, [sample], [folder.resolve()])
 
 
 def _shared_kernels(folder: Path) -> dict[str, str]:
@@ -101,6 +107,7 @@ def main() -> None:
         (["--measure"], {"action": "store_true", "help": "measure latencies instead"}),
         (["--render"], {"type": Path, "help": "only previews and renders; pictures go here"}),
         (["--denoise"], {"type": Path, "help": "only the denoiser; pictures go here"}),
+        (["--bake"], {"type": Path, "help": "only bakes; pictures go here"}),
         (["--shots"], {"type": Path, "help": "write the screenshots of the docs here instead"}),
         (["--rules"], {"action": "store_true", "help": "no random edits, and none but restarts"}),
         (["--life"], {"action": "store_true", "help": "only installing, disabling, removing"}),
@@ -117,10 +124,11 @@ def main() -> None:
             words = [options.shots.resolve()]
             run_script(blender, folder, "shots_in_window.py", [samples / "statue.blend"], words)
             return
-        if options.denoise:
-            denoise(blender, options.denoise)
-            return
-        if not options.rules and not options.render:
+        for chosen, script in _ALONE.items():
+            if getattr(options, chosen):
+                with_statue(blender, getattr(options, chosen), script)
+                return
+        if not options.rules:
             live(blender, folder, package)
         if options.life:
             return
@@ -128,13 +136,8 @@ def main() -> None:
             words = [options.seed, 0, folder, samples / "turntable.blend"]
             run_script(blender, folder, "edit_in_window.py", [samples / "statue.blend"], words)
             return
-        pictures = options.render or folder / "renders"
-        pictures.mkdir(parents=True, exist_ok=True)
-        words = [pictures.resolve()]
-        run_script(blender, folder, "render_in_window.py", [samples / "statue.blend"], words)
-        if options.render:
-            return
-        denoise(blender, folder / "denoised")
+        for name, script in _ALONE.items():
+            with_statue(blender, folder / name, script)
         count = QUICK_EDITS if options.quick else EDITS
         words = [options.seed, count, folder, samples / "turntable.blend"]
         run_script(blender, folder, "edit_in_window.py", [samples / "statue.blend"], words)

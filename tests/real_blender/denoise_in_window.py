@@ -18,15 +18,6 @@ import inside
 FOLDER = Path(inside.words()[0])
 
 
-def module(name: str):
-    return sys.modules[next(m for m in sys.modules if m.endswith(f"iwis.iwis_addon.{name}"))]
-
-
-def expect(condition, what: str) -> None:
-    if not condition:
-        raise AssertionError(what)
-
-
 def rendering() -> bool:
     return bpy.app.is_job_running("RENDER")
 
@@ -43,12 +34,14 @@ def final_render(scene, there: bool):
     yield 1.0
     yield from inside.until(lambda: not rendering(), 300.0, "the render")
     inside.say(f"render: {time.perf_counter() - started:.2f} s")
-    job = module("job").RenderJob.current
+    job = inside.module("job").RenderJob.current
     (film,) = job.films.values()
     changed = bool((film.layers["combined"] != film.layers["noisy"]).any())
     warned = [line for line in job.records[-1].stats.warnings if "keeps its noise" in line]
     inside.say(f"noise taken away: {changed}; warnings: {warned}")
-    expect(changed == there and bool(warned) != there, "the render is denoised, or warned about")
+    inside.expect(
+        changed == there and bool(warned) != there, "the render is denoised, or warned about"
+    )
 
 
 def rendered_view(scene, there: bool):
@@ -59,20 +52,24 @@ def rendered_view(scene, there: bool):
     yield from inside.until(inside.converged, 600.0, "the rendered view")
     denoiser = inside.viewport().thread.denoiser
     inside.say(f"view: noise taken away: {denoiser.shows}; {denoiser.problem}")
-    expect(denoiser.shows == there and bool(denoiser.problem) != there, "the view is denoised")
+    inside.expect(
+        denoiser.shows == there and bool(denoiser.problem) != there, "the view is denoised"
+    )
     yield from inside.screenshot(FOLDER / "view.png")
     restarts = inside.viewport().restarts
     scene.iwis.viewport.denoise = False
     yield 1.0
     yield from inside.until(inside.converged, 60.0, "the view with its noise")
-    expect(not denoiser.shows and inside.viewport().restarts == restarts, "turned off at once")
+    inside.expect(
+        not denoiser.shows and inside.viewport().restarts == restarts, "turned off at once"
+    )
     yield from inside.screenshot(FOLDER / "view-noisy.png")
 
 
 def main():
     scene = inside.window_scene()
     scene.render.engine = "IWIS"
-    path, problem = module("denoiser").find_library()
+    path, problem = inside.module("denoiser").find_library()
     inside.say(f"library: {path or problem}")
     inside.areas("PROPERTIES")[0].spaces.active.context = "RENDER"
     yield 2.0

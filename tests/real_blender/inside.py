@@ -5,6 +5,7 @@ a user paused. Lines that begin with ``IWIS-TEST`` are read by who started Blend
 """
 
 import os
+import subprocess
 import sys
 import time
 import traceback
@@ -98,3 +99,48 @@ def screenshot(path: Path) -> object:
     say("SHOT", path)
     yield from until(Path(path).exists, 30.0, f"the screenshot {path}")
     yield 0.3
+
+
+def module(name: str):
+    return sys.modules[next(m for m in sys.modules if m.endswith(f"iwis.iwis_addon.{name}"))]
+
+
+def expect(condition, what: str) -> None:
+    if not condition:
+        raise AssertionError(what)
+
+
+def material(name: str, **inputs):
+    made = bpy.data.materials.new(name)
+    if bpy.app.version < (5, 0):
+        made.use_nodes = True
+    shader = made.node_tree.nodes["Principled BSDF"]
+    for key, value in inputs.items():
+        shader.inputs[key.replace("_", " ")].default_value = value
+    made.use_fake_user = True
+    return made
+
+
+def save(pixels, path: Path) -> None:
+    height, width = pixels.shape[:2]
+    image = bpy.data.images.new("Preview", width, height, alpha=True)
+    image.pixels.foreach_set(pixels.ravel())
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+
+
+def xdotool(*words) -> str:
+    return subprocess.check_output(["xdotool", *words], text=True, timeout=20)
+
+
+def press(key: str):
+    """A real key on the window, with the mouse in it; when it was pressed."""
+    window = xdotool("search", "--name", "Blender [0-9]").split()[0]
+    xdotool("windowfocus", window, "mousemove", "400", "400")
+    yield 0.5
+    xdotool("mousemove", "410", "410")
+    yield 0.5
+    at = time.perf_counter()
+    xdotool("key", key)
+    return at

@@ -16,11 +16,6 @@ FOLDER, ZIP = map(Path, inside.words()[:2])
 MODULE = "bl_ext.user_default.iwis"
 
 
-def expect(condition, what: str) -> None:
-    if not condition:
-        raise AssertionError(what)
-
-
 def is_ours(thing) -> bool:
     return "iwis" in (getattr(thing, "__module__", "") or "").lower().split(".")
 
@@ -62,7 +57,7 @@ def install():
     done = bpy.ops.extensions.package_install_files(
         filepath=str(ZIP), repo="user_default", enable_on_install=True, overwrite=True
     )
-    expect(done == {"FINISHED"}, f"installing answered {done}")
+    inside.expect(done == {"FINISHED"}, f"installing answered {done}")
 
 
 def show():
@@ -74,28 +69,28 @@ def show():
 def lives():
     """Installed, disabled while it renders, enabled, upgraded while it renders, removed."""
     nothing = traces()
-    expect(not any(nothing.values()), f"there before it was installed: {nothing}")
+    inside.expect(not any(nothing.values()), f"there before it was installed: {nothing}")
     install()
     yield from show()
     enabled = traces()
-    expect(all(enabled.values()), f"not all is there: {enabled}")
-    expect(len(enabled["operators"]) > 10, f"operators: {enabled['operators']}")
+    inside.expect(all(enabled.values()), f"not all is there: {enabled}")
+    inside.expect(len(enabled["operators"]) > 10, f"operators: {enabled['operators']}")
     for _ in range(2):
         inside.view_area().spaces.active.region_3d.view_distance *= 1.01
         yield 0.1
         bpy.ops.preferences.addon_disable(module=MODULE)
         yield from inside.until(no_view, 10.0, "the end of the threads")
         left = traces()
-        expect(left == nothing, f"left when disabled: {left}")
+        inside.expect(left == nothing, f"left when disabled: {left}")
         bpy.ops.preferences.addon_enable(module=MODULE)
         yield from show()
-        expect(traces() == enabled, f"otherwise than before: {traces()} {enabled}")
+        inside.expect(traces() == enabled, f"otherwise than before: {traces()} {enabled}")
     inside.say("OK disabled and enabled twice while it rendered:", sizes(enabled))
     inside.view_area().spaces.active.region_3d.view_distance *= 1.01
     yield 0.1
     install()
     yield from show()
-    expect(traces() == enabled, f"otherwise after an upgrade: {traces()} {enabled}")
+    inside.expect(traces() == enabled, f"otherwise after an upgrade: {traces()} {enabled}")
     inside.say("OK installed over itself while it rendered")
 
 
@@ -108,13 +103,13 @@ def remove():
     repositories = bpy.context.preferences.extensions.repos
     number = next(n for n, each in enumerate(repositories) if each.module == "user_default")
     done = bpy.ops.extensions.package_uninstall(repo_index=number, pkg_id="iwis")
-    expect(done == {"FINISHED"}, f"removing answered {done}")
+    inside.expect(done == {"FINISHED"}, f"removing answered {done}")
     yield from inside.until(no_view, 10.0, "the end of the threads")
     left = traces()
-    expect(not any(left.values()), f"left when removed: {left}")
+    inside.expect(not any(left.values()), f"left when removed: {left}")
     folder = Path(bpy.utils.user_resource("EXTENSIONS"))
     files = [path for path in folder.rglob("*") if "iwis" in path.name.lower()]
-    expect(not files, f"files left when removed: {files}")
+    inside.expect(not files, f"files left when removed: {files}")
     inside.say("OK removed: nothing is left, in Blender or on disk")
 
 
@@ -125,16 +120,16 @@ def presets():
     for path in sorted(Path(bpy.utils.preset_paths("iwis/sampling")[0]).glob("*.py")):
         bpy.ops.script.execute_preset(filepath=str(path), menu_idname="IWIS_PT_sampling_presets")
         seen.add((path.stem, iwis.estimator, iwis.max_samples))
-    expect(len(seen) == 3, f"presets: {seen}")
+    inside.expect(len(seen) == 3, f"presets: {seen}")
     iwis.max_samples = 123
     bpy.ops.iwis.sampling_preset_add(name="Own")
     own = [p for f in bpy.utils.preset_paths("iwis/sampling") for p in Path(f).glob("Own.py")]
-    expect(len(own) == 1 and "123" in own[0].read_text(), f"one's own preset: {own}")
+    inside.expect(len(own) == 1 and "123" in own[0].read_text(), f"one's own preset: {own}")
     iwis.max_samples = 5
     bpy.ops.script.execute_preset(filepath=str(own[0]), menu_idname="IWIS_PT_sampling_presets")
-    expect(iwis.max_samples == 123, "one's own preset is used")
+    inside.expect(iwis.max_samples == 123, "one's own preset is used")
     bpy.ops.iwis.sampling_preset_add(name="Own", remove_active=True)
-    expect(not own[0].exists(), "one's own preset is removed")
+    inside.expect(not own[0].exists(), "one's own preset is removed")
     inside.say("OK presets:", sorted(seen))
 
 
@@ -168,10 +163,12 @@ def undo_of_operators():
             bpy.ops.ed.undo_push(message="before")
             before = value()
             done = operator()
-            expect(done == {"FINISHED"} and value() != before, f"{value.__name__} has changed")
+            inside.expect(
+                done == {"FINISHED"} and value() != before, f"{value.__name__} has changed"
+            )
             bpy.ops.ed.undo()
         yield 0.2
-        expect(value() == before, f"undo of {value.__name__}: {value()}, before {before}")
+        inside.expect(value() == before, f"undo of {value.__name__}: {value()}, before {before}")
     inside.say("OK undo of", ", ".join(value.__name__ for value, _ in steps))
 
 

@@ -3,7 +3,6 @@
 blender STATUE.blend --python render_in_window.py -- FOLDER
 """
 
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -18,26 +17,6 @@ FOLDER = Path(inside.words()[0])
 ESCAPE_SECONDS = 0.2
 # Of a preview's mean, by its kind: Cycles adds what the sphere and its floor reflect of each other.
 DARKER, BRIGHTER = 0.3, 0.1
-
-
-def module(name: str):
-    return sys.modules[next(m for m in sys.modules if m.endswith(f"iwis.iwis_addon.{name}"))]
-
-
-def expect(condition, what: str) -> None:
-    if not condition:
-        raise AssertionError(what)
-
-
-def material(name: str, **inputs):
-    made = bpy.data.materials.new(name)
-    if bpy.app.version < (5, 0):
-        made.use_nodes = True
-    shader = made.node_tree.nodes["Principled BSDF"]
-    for key, value in inputs.items():
-        shader.inputs[key.replace("_", " ")].default_value = value
-    made.use_fake_user = True
-    return made
 
 
 def lamp(kind: str):
@@ -59,30 +38,21 @@ def preview(data, engine: str):
     seconds = time.perf_counter() - started
     width, height = data.preview.image_size
     pixels = np.array(data.preview.image_pixels_float, np.float32).reshape(height, width, 4)
-    save(pixels, FOLDER / f"preview-{data.name}-{engine}.png")
+    inside.save(pixels, FOLDER / f"preview-{data.name}-{engine}.png")
     return pixels, seconds
-
-
-def save(pixels, path: Path) -> None:
-    height, width = pixels.shape[:2]
-    image = bpy.data.images.new("Preview", width, height, alpha=True)
-    image.pixels.foreach_set(pixels.ravel())
-    image.filepath_raw, image.file_format = str(path), "PNG"
-    image.save()
-    bpy.data.images.remove(image)
 
 
 def previews():
     """Of materials, a world and lights: as bright as Cycles', and nothing told to the user."""
     world = inside.window_scene().world
     shown = [
-        material("Clay", Base_Color=(0.8, 0.1, 0.05, 1.0), Roughness=0.8),
-        material("Gold", Base_Color=(1.0, 0.7, 0.3, 1.0), Metallic=1.0, Roughness=0.3),
-        material("Lit", Emission_Color=(0.2, 0.5, 1.0, 1.0), Emission_Strength=1.0),
+        inside.material("Clay", Base_Color=(0.8, 0.1, 0.05, 1.0), Roughness=0.8),
+        inside.material("Gold", Base_Color=(1.0, 0.7, 0.3, 1.0), Metallic=1.0, Roughness=0.3),
+        inside.material("Lit", Emission_Color=(0.2, 0.5, 1.0, 1.0), Emission_Strength=1.0),
         world,
         *map(lamp, ("POINT", "SPOT", "AREA")),
     ]
-    job = module("job").RenderJob
+    job = inside.module("job").RenderJob
     before = job.current
     for data in shown:
         theirs, their_seconds = yield from preview(data, "CYCLES")
@@ -92,10 +62,10 @@ def previews():
             f"preview of {data.name}: mean {means[0]:.3f}, Cycles' {means[1]:.3f}; "
             f"{seconds:.2f} s, Cycles {their_seconds:.2f} s"
         )
-        expect(ours[..., :3].std() > 0.02, f"the preview of {data.name} shows something")
+        inside.expect(ours[..., :3].std() > 0.02, f"the preview of {data.name} shows something")
         low, high = 1.0 - DARKER, 1.0 + BRIGHTER
-        expect(low < means[0] / means[1] < high, f"the preview of {data.name} is as bright")
-    expect(job.current is before, "a preview leaves the user's last render alone")
+        inside.expect(low < means[0] / means[1] < high, f"the preview of {data.name} is as bright")
+    inside.expect(job.current is before, "a preview leaves the user's last render alone")
 
 
 def shot_of_tab(tab: str):
@@ -112,7 +82,7 @@ def shot_of_tab(tab: str):
 
 def watch(lines: list):
     """Remember the lines that renders show."""
-    sink = module("sink").BlenderSink
+    sink = inside.module("sink").BlenderSink
     line = sink.line
 
     def wrapped(self, *arguments):
@@ -131,22 +101,6 @@ def rendering() -> bool:
     return bpy.app.is_job_running("RENDER")
 
 
-def xdotool(*words) -> str:
-    return subprocess.check_output(["xdotool", *words], text=True, timeout=20)
-
-
-def press(key: str):
-    """A real key on the window, with the mouse in it; when it was pressed."""
-    window = xdotool("search", "--name", "Blender [0-9]").split()[0]
-    xdotool("windowfocus", window, "mousemove", "400", "400")
-    yield 0.5
-    xdotool("mousemove", "410", "410")
-    yield 0.5
-    at = time.perf_counter()
-    xdotool("key", key)
-    return at
-
-
 def click_in_view():
     """Show Sampling of Pixel, called from another editor: the pixel clicked in a rendered view."""
     inside.show_rendered()
@@ -157,18 +111,18 @@ def click_in_view():
     with bpy.context.temp_override(window=window, area=inside.areas("PROPERTIES")[0]):
         bpy.ops.iwis.inspect_pixel("INVOKE_DEFAULT")
     yield 0.5
-    name = xdotool("search", "--name", "Blender [0-9]").split()[0]
+    name = inside.xdotool("search", "--name", "Blender [0-9]").split()[0]
     for shift in (10, 0):
-        xdotool("windowfocus", name, "mousemove", str(x + shift), str(window.height - 1 - y))
+        inside.xdotool("windowfocus", name, "mousemove", str(x + shift), str(window.height - 1 - y))
         yield 0.5
-    xdotool("click", "1")
+    inside.xdotool("click", "1")
     yield from inside.until(lambda: "IWIS Sampling" in bpy.data.images, 60.0, "the picked pixel")
     picked = window.modal_operators[-1] if window.modal_operators else None
-    expect(picked is None, "the click ends the operator")
+    inside.expect(picked is None, "the click ends the operator")
     last = bpy.context.window_manager.operators[-1]
     inside.say(f"clicked pixel ({last.x}, {last.y}) of a view of {region.width}x{region.height}")
     middle = last.x - region.width // 2, last.y - region.height // 2
-    expect(last.source == "VIEW" and max(map(abs, middle)) <= 1, "the pixel is the mouse's")
+    inside.expect(last.source == "VIEW" and max(map(abs, middle)) <= 1, "the pixel is the mouse's")
     inside.view_area().spaces.active.shading.type = "SOLID"
 
 
@@ -197,22 +151,22 @@ def escape(scene):
     yield from inside.until(lambda: any("Remaining:" in each for each in lines), 600.0, "tiles")
     yield 1.0
     yield from inside.screenshot(FOLDER / "rendering.png")
-    at = yield from press("Escape")
+    at = yield from inside.press("Escape")
     yield from inside.until(lambda: not rendering(), 30.0, "the end after Escape")
     gone = time.perf_counter() - at
     inside.say("line:", lines[-1])
     inside.say(f"Escape: render over in {ended[0] - at:.3f} s, Blender's job in {gone:.3f} s")
-    expect(ended[0] - at < ESCAPE_SECONDS, "Escape ends a render in time")
+    inside.expect(ended[0] - at < ESCAPE_SECONDS, "Escape ends a render in time")
     kept = result("after-escape")
     filled = float((kept[:, 3] > 0.0).mean())
     inside.say(f"picture kept after Escape: {filled:.0%} of its pixels")
-    expect(0.0 < filled < 1.0, "the part that was rendered is kept")
+    inside.expect(0.0 < filled < 1.0, "the part that was rendered is kept")
     scene.iwis.stop_rule, scene.iwis.max_samples = "PERCEPTUAL", 16
     again = time.perf_counter()
     start_render(scene)
     yield from inside.until(lambda: not rendering(), 300.0, "the render after Escape")
     inside.say(f"the render at once after it: {time.perf_counter() - again:.2f} s")
-    expect((result("again")[:, 3] > 0.0).all(), "the render after Escape is whole")
+    inside.expect((result("again")[:, 3] > 0.0).all(), "the render after Escape is whole")
 
 
 def main():
