@@ -8,7 +8,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, prefetch, sheen_numbers, triangle_pairs,
-    perlin, texels, element_places, oidn
+    perlin, texels, element_places, oidn, subsurface
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, lamp_choice, lamp_pictures, emitter_tree, sheen, islands,
@@ -16,23 +16,25 @@ In the order of the data; a module imports only from groups with a smaller numbe
     bump, stretched, lobes, cell_numbers, shapes
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
-    voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser, bake_rays
+    voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser, bake_rays,
+    walk_steps
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, sample_order, measured, lobe_setup, embree_instances
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
     light_rays, paper_tables, light_cells, lamp_light, pass_rays, moving_accel,
-    moved_accel, surface_numbers, lamp_glow, pixel_motion
+    moved_accel, surface_numbers, lamp_glow, pixel_motion, random_walk
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
-    paper_products, light_tree, backdrop, emission_parts, like_products
+    paper_products, light_tree, backdrop, emission_parts, like_products, closure_columns
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
     emitters
-    scene_rays, block_loop, reference, catchers,     8  UNBIASED's loop; estimators to compare with
-    unbiased_rays, shader_values, roughness
-    two_stage, tile_job, render_cache, loop_types,   9  another one; a tile's work; what is kept
+    block_loop, reference, catchers, ray_masks,      8  UNBIASED's loop; estimators to compare with
+    unbiased_rays, shader_values, roughness, seen_points
+    two_stage, tile_job, scene_rays, loop_types,     9  another one; a tile's work; their rays
     surface_passes
-    merged_layers, tile_lamps, budget, warm_up,     10  closures together; BUDGET
-    silhouettes, time_slices, ambient_occlusion, early_kernels, tiles
+    merged_layers, tile_lamps, budget, warm_up,     10  closures together; BUDGET; what is kept
+    silhouettes, time_slices, ambient_occlusion, early_kernels, tiles, walked_layers,
+    render_cache
     pass_samples, pass_plan                         11  passes of a tile, how many are wanted
     center_tile, filtered_tile                      12  one shading point a pixel, several
     render                                          13  the entry point

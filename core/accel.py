@@ -82,9 +82,20 @@ class Accel:
         origins, directions: float32 (n, 3), world space. u and v weigh the triangle's second and
         third corner.
         """
-        hit, u, v, _ = nearest_hits(self.traversal, origins, directions)
-        to_triangles(self.pairs, hit, u, v)
-        return hit, u, v
+        return self.as_triangles(*nearest_hits(self.looks, origins, directions))
+
+    @property
+    def looks(self) -> Traversal:
+        """``traversal``, for kernels that ask for nearest hits themselves (embree_hits.py)."""
+        return self.traversal
+
+    def as_triangles(self, face, u, v, instance):
+        """What intersect gives, of what Embree says of rays that look: int32 and float32 (n,).
+
+        The arrays may be written to.
+        """
+        to_triangles(self.pairs, face, u, v)
+        return face, u, v
 
     @aside()
     def occluded(

@@ -21,19 +21,10 @@ from .neighbours import CELL_PX, cell_order
 from .rows import any_in_row
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
 from .scene import HOLDOUT, SHADOW_CATCHER
+from .seen_points import ClosureLayer, with_all_lobes
 from .stop_rule import Rule, perceptual_rule, spread_of, stop_rule
 from .surface_passes import SurfacePasses
-from .tile_job import (
-    ClosureLayer,
-    Job,
-    Rect,
-    TileCounts,
-    add_samples,
-    frame_places,
-    trace_points,
-    whole_cells,
-    with_all_lobes,
-)
+from .tile_job import Job, Rect, TileCounts, add_samples, frame_places, trace_points, whole_cells
 from .tile_lamps import TileLamps
 
 
@@ -210,10 +201,10 @@ class CenterTile:
         self._places = places[points.pixel]
         bounds = np.searchsorted(points.pixel, ends)  # points.pixel: rows of the rays, ascending
         layers = with_all_lobes(scene, points._replace(pixel=pixel[points.pixel]))
-        self._bounds = [np.searchsorted(of, bounds).astype(np.int32) for _, of in layers]
+        self._bounds = [np.searchsorted(layer.of, bounds).astype(np.int32) for layer in layers]
         self._layers = layers
         if self._sums is None:
-            self._sums = [new_sums(len(of)) for _, of in layers]
+            self._sums = [new_sums(len(layer.of)) for layer in layers]
             n = len(bounds) - 1 if self._learns else 0
             self._guides = [new_guides(n) for _ in layers]
             self._settle(layers, (columns[points.pixel], rows[points.pixel]))

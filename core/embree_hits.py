@@ -35,6 +35,35 @@ def _ask_nearest(traversal, ray, ox, oy, oz, d):
     return get_float(ray + 32)
 
 
+@kernel(forceinline=True)
+def new_look(traversal):
+    """Room for a ray that asks for its nearest hit, on the stack of the kernel that calls this."""
+    ray = stack(_RAY_HIT)
+    put_constants(ray, 4, traversal.time)
+    return ray
+
+
+@kernel(forceinline=True)
+def meets(traversal, ray, origin, d, reach):
+    """Whether there is anything within reach, of which hit_of then tells: the sooner the shorter.
+
+    origin, d: float32 (3,). A ray that slips through between two triangles is not asked again.
+    """
+    put_ray(ray, 4, origin[0], origin[1], origin[2], d[0], d[1], d[2])
+    put(ray + 32, np.float32(reach))
+    for row in range(17, 21):
+        put(ray + 4 * row, _ALL)
+    if traversal.scene != 0:
+        call(traversal.intersect1, (traversal.scene, ray, 0))
+    return get_int(ray + 68) >= 0
+
+
+@kernel(forceinline=True)
+def hit_of(ray):
+    """(face, instance, u, v) of a ray that meets something, as intersect_block writes them."""
+    return get_int(ray + 68), get_int(ray + 76), get_float(ray + 60), get_float(ray + 64)
+
+
 @kernel
 def intersect_block(traversal, origins, directions, triangle, instance, u, v):
     """Write the nearest hits: triangle int32 (n,), -1 = none; u, v float32 (n,).

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .rows import rows_of
+from .rows import any_in_row, rows_of
 
 # Bits of Lobes.kind
 DIFFUSE_LOBE, DIELECTRIC_LOBE, CONDUCTOR_LOBE, MEASURED_LOBE = 1, 2, 4, 8
@@ -78,3 +78,19 @@ class Lobes(NamedTuple):
     def at(self, which) -> Lobes:
         """Those of a slice or of indices."""
         return Lobes(*rows_of(self[:-1], which), self.tables)
+
+
+def darken_matte(lobes: Lobes, factor: np.ndarray) -> None:
+    """Multiply the Lambert lobes of n points by float32 (n, 3), in place."""
+    lobes.diffuse[:] *= factor
+    black = ~any_in_row(lobes.diffuse)
+    lobes.kind[black] &= ~np.int8(DIFFUSE_LOBE)
+    lobes.diffuse_share[black] = 0.0
+
+
+def matte_alone(lobes: Lobes) -> Lobes:
+    """The Lambert lobes alone, smooth."""
+    names = ("weight", "glossy_color", "rough")
+    nothing = {name: np.zeros_like(getattr(lobes, name)) for name in names}
+    kind = lobes.kind & np.int8(DIFFUSE_LOBE)
+    return lobes._replace(kind=kind, diffuse_share=(kind != 0).astype(np.float32), **nothing)

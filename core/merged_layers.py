@@ -8,8 +8,8 @@ import numpy as np
 
 from ._jit import kernel
 from .incremental import PixelSums, new_sums
+from .seen_points import ClosureLayer, SeenPoints
 from .sheen import diffuse_color
-from .tile_job import ClosureLayer, SeenPoints
 
 
 class _Merged(NamedTuple):
@@ -76,8 +76,11 @@ def merge_layers(layers: list[ClosureLayer], sums: list[PixelSums]) -> tuple[See
     numbers = (np.zeros(n) for _ in range(3))
     colors = (np.zeros((n, 3), np.float32) for _ in range(2))
     merged = _Merged(new_sums(n), *numbers, *colors)
-    for (seen, of), own in zip(layers, sums, strict=True):
-        _add_layer(of, seen.lobes, own, merged)
+    for layer, own in zip(layers, sums, strict=True):
+        lobes = layer.seen.lobes
+        if layer.color is not None:
+            lobes = lobes._replace(diffuse=layer.color)
+        _add_layer(layer.of, lobes, own, merged)
     _close(merged)
     found = {"diffuse": merged.diffuse, "glossy_color": merged.glossy_color}
     found["rough"] = np.zeros((n, 4), np.float32)  # of no closure alone

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .accel import Accel, nearest_hits, ray_offset, to_triangles
+from .accel import Accel, ray_offset, to_triangles
 from .embree import EmbreeScene
 from .embree_filter import GroupFilter, ShadowFilter
 from .embree_instances import InstanceScene
@@ -79,16 +79,15 @@ class MovedAccel(Accel):
             raise Cancelled
         return scene
 
-    def intersect(self, origins: np.ndarray, directions: np.ndarray):
+    def as_triangles(self, face, u, v, instance):
         """See Accel."""
-        triangle, u, v, part = nearest_hits(self.traversal, origins, directions)
-        small = part == self._small
-        own = self._rows[triangle[small]]
+        small = instance == self._small
+        own = self._rows[face[small]]
         weights = u[small], v[small]
-        triangle[small] = -1
-        to_triangles(self.pairs, triangle, u, v)
-        triangle[small], u[small], v[small] = own, *weights
-        return triangle, u, v
+        face[small] = -1
+        to_triangles(self.pairs, face, u, v)
+        face[small], u[small], v[small] = own, *weights
+        return face, u, v
 
 
 def moved(base: Accel, mesh: TriangleMesh, moves: Moves, cancelled=lambda: False) -> Accel | None:

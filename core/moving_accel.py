@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .accel import Accel, nearest_hits, ray_offset
+from .accel import Accel, ray_offset
 from .embree import EmbreeScene
 from .embree_filter import Opacity, ShadowFilter
 from .embree_instances import InstanceScene
@@ -85,11 +85,10 @@ class MovingAccel(Accel):
         other._take(self._slices[number], float(self._motion.times[number]))
         return other
 
-    def intersect(self, origins: np.ndarray, directions: np.ndarray):
+    def as_triangles(self, face, u, v, instance):
         """See Accel."""
-        triangle, u, v, part = nearest_hits(self.traversal, origins, directions)
-        _to_rows(triangle, part, self._first, self._rows)
-        return triangle, u, v
+        _to_rows(face, instance, self._first, self._rows)
+        return face, u, v
 
 
 @kernel

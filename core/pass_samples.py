@@ -17,20 +17,14 @@ from .pass_rays import samples_of_a_pass
 from .pass_sums import PassSums, add_seen
 from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .scene import HOLDOUT, SHADOW_CATCHER
+from .seen_points import ClosureLayer, SeenPoints, with_all_lobes
 from .shading import ShadingPoints
 from .sheen import diffuse_colors
 from .stop_rule import pass_rule
 from .surface_passes import SurfacePasses
-from .tile_job import (
-    ClosureLayer,
-    Job,
-    Rect,
-    SeenPoints,
-    add_samples,
-    frame_places,
-    with_all_lobes,
-)
+from .tile_job import Job, Rect, add_samples, frame_places
 from .tile_lamps import TileLamps
+from .walked_layers import walked_layers
 
 _LUMINANCE = np.array([LUMINANCE_R, LUMINANCE_G, LUMINANCE_B])
 _DARK = 1e-3  # albedo, of closures that reflect nothing
@@ -79,9 +73,11 @@ class PassSampler:
         plain = ~(caught | plays(self._job.scene, points, HOLDOUT))
         found = []
         if plain.any():
-            layers = self._layers_of(points, plain)
-            sums = self._sample(self._job, layers, number[plain])
-            found.append((self._add_seen, layers, sums, number[plain]))
+            layers, own = self._layers_of(points, plain), number[plain]
+            places = frame_places(self._around, layers[0].seen.points.pixel)
+            layers = walked_layers(self._job, layers, places, own)
+            sums = self._sample(self._job, layers, own)
+            found.append((self._add_seen, layers, sums, own))
         if caught.any():
             layers = self._layers_of(points, caught)
             job = dataclasses.replace(self._job, accel=self._job.accel.without_catchers)
@@ -118,8 +114,8 @@ class PassSampler:
         """The samples of each point, shared among its closures."""
         counts = shared_counts(layers, self._batch)
         return [
-            self._sample_rows(job, seen, number[of], count)
-            for (seen, of), count in zip(layers, counts, strict=True)
+            self._sample_rows(job, layer.seen, number[layer.of], count)
+            for layer, count in zip(layers, counts, strict=True)
         ]
 
     def _sample_rows(self, job: Job, seen: SeenPoints, number, count) -> PixelSums:
@@ -144,13 +140,14 @@ def shared_counts(layers: list[ClosureLayer], most: int) -> list[np.ndarray]:
     if len(layers) == 1:
         return [np.full(len(layers[0].of), most)]
     albedo = np.zeros((len(layers), len(layers[0].of)))
-    for own, (seen, of) in zip(albedo, layers, strict=True):
-        color = diffuse_colors(seen.lobes) + seen.lobes.glossy_color
-        color = np.nan_to_num(color, nan=0.0, posinf=1.0)
-        own[of] = np.maximum(color @ _LUMINANCE, 0.0) + _DARK
+    for own, layer in zip(albedo, layers, strict=True):
+        lobes = layer.seen.lobes
+        color = diffuse_colors(lobes) if layer.color is None else layer.color
+        color = np.nan_to_num(color + lobes.glossy_color, nan=0.0, posinf=1.0)
+        own[layer.of] = np.maximum(color @ _LUMINANCE, 0.0) + _DARK
     share = albedo / albedo.sum(axis=0)
     counts = np.maximum(np.rint(share * most), albedo > 0.0).astype(np.int64)
     over, largest = counts.sum(axis=0) - most, counts.argmax(axis=0)
     rows = np.arange(len(largest))
     counts[largest, rows] = np.maximum(counts[largest, rows] - over, 1)
-    return [own[of] for own, (_, of) in zip(counts, layers, strict=True)]
+    return [own[layer.of] for own, layer in zip(counts, layers, strict=True)]

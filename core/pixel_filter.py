@@ -23,6 +23,7 @@ _BITS = 4294967296.0
 # Hashes 1 and 2 scramble the points of light.
 # What unit_points are for: each has three salts of its own; those from LAMPS on are the lamps'.
 FILTER, LENS, TIME, LAYERS, LAMPS = 3, 6, 9, 12, 15
+WALKS = 1 << 20  # so far above that no lamp's are there
 _CDF_NODES, _GUIDES = 4097, 4096
 
 

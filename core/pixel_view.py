@@ -20,9 +20,10 @@ from .lobes_at import lobes_at
 from .render import worker_count
 from .render_cache import RenderCache
 from .scene import Scene
+from .seen_points import with_lobes
 from .sequence import common_points, pixel_sequence
 from .settings import RenderSettings
-from .tile_job import Job, Rect, make_sampler, trace_points, with_lobes
+from .tile_job import Job, Rect, make_sampler, trace_points
 from .watch import StopFlag
 
 _VISIBLE, _OCCLUDED = np.float32([1.0, 0.1, 0.05]), np.float32([0.1, 0.35, 1.0])

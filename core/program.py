@@ -38,6 +38,20 @@ class Op(NamedTuple):
     settings: Mapping[str, object]
 
 
+class Subsurface(NamedTuple):
+    """What of a closure's Lambert lobe is light from under the surface (core/subsurface.py).
+
+    share: of the lobe, 0 to 1; method: as Media.method; the rest: values of Media's columns
+    """
+
+    share: Value
+    radius: Value
+    anisotropy: Value
+    ior: Value
+    roughness: Value
+    method: int
+
+
 class Closure(NamedTuple):
     """One BSDF of a mixture.
 
@@ -47,6 +61,7 @@ class Closure(NamedTuple):
     params: column of MaterialParams -> its value; a missing one is that of the material's own row
     normal: a vector; None: the surface's own
     grain: a vector along the facets' tangent, as long as the root of alpha_x / alpha_y; None: round
+    subsurface: None: light leaves where it has come in
     """
 
     model: int
@@ -55,6 +70,7 @@ class Closure(NamedTuple):
     params: Mapping[str, Value]
     normal: Value | None = None
     grain: Value | None = None
+    subsurface: Subsurface | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -153,3 +169,9 @@ class Shaders:
     surface: SurfaceData
     material_pass_index: np.ndarray
     aovs: tuple[Aov, ...] = ()
+
+    @property
+    def scatters(self) -> bool:
+        """Whether light leaves any surface elsewhere than it came in."""
+        closures = (c for program in self.programs if program is not None for c in program.closures)
+        return any(closure.subsurface is not None for closure in closures)

@@ -57,6 +57,12 @@ def render(
     elif scene.motion is not None and not can_instance():
         stats.warnings.append("Embree's own interface is missing: moving objects stand still")
         scene = dataclasses.replace(scene, motion=None)
+    scatters = scene.shaders is not None and scene.shaders.scatters
+    if settings.pixel_filter == "CENTER" and scatters:
+        stats.warnings.append(
+            "Pixel Filter Center takes one point a pixel: no light goes under surfaces, which are "
+            "diffuse in place of subsurface; choose Blackman-Harris or Box"
+        )
     if scene.motion is not None and shines_from_rest(scene):
         stats.warnings.append(
             f"{len(scene.lamps.faces.face)} faces shine: those that move light other surfaces from "

@@ -18,8 +18,9 @@ from .moved_accel import Moves, moved, moves_between, settled
 from .moving_accel import MovingAccel
 from .paper_tables import PaperTables, TableBuilder
 from .pyramid import LightPyramid
+from .ray_masks import RayMasks, ray_masks
 from .scene import EnvironmentMap, Scene, TriangleMesh
-from .scene_rays import RayMasks, RayParts, SceneRays, ray_masks
+from .scene_rays import RayParts, SceneRays
 from .settings import RenderSettings
 from .table_cache import table_folder
 

@@ -46,7 +46,7 @@ class TileRoughness:
 def _lobes_of(scene: Scene, points: ShadingPoints):
     """(int (m,) rows of points, their lobes) of each closure that points mix."""
     if scene.shaders is not None:
-        return [(of, lobes) for of, _, lobes in closure_layers(scene, points)]
+        return [(own.of, own.lobes) for own in closure_layers(scene, points)]
     params = params_at(scene.materials, scene.mesh.material_index[points.triangle])
     own = points.normal, points.geometric_normal, points.wo
     return [(np.arange(len(points.pixel)), setup_lobes(params, *own, scene.measured))]

@@ -14,89 +14,17 @@ from typing import NamedTuple
 import numpy as np
 
 from .accel import MISS, Accel
-from .cutouts import MOST_LAYERS, behind, cut_materials, drawn_numbers, passing_shares
-from .embree import can_filter
-from .embree_filter import Opacity
-from .embree_rays import ALL_COLORS
+from .cutouts import MOST_LAYERS, behind, drawn_numbers, passing_shares
+from .embree_rays import ALL_COLORS, Traversal
 from .moved_accel import Moves, moved, settled
 from .moving_accel import MovingAccel
 from .object_motion import ObjectMotion
-from .opacity import bake_opacity
 from .poses import posed_points
-from .program_ops import passes_by_place
+from .ray_masks import RayMasks
 from .scene import (
-    CAMERA_RAYS,
-    HOLDOUT,
-    SHADOW_CATCHER,
-    SHADOW_RAYS,
     Scene,
     TriangleMesh,
 )
-
-
-@dataclasses.dataclass(frozen=True, slots=True, eq=False)
-class RayMasks:
-    """Who sees which triangles, bool, one each.
-
-    camera: what the camera sees
-    solid: what throws a shadow that Embree knows of, opaque or with a grid of ``opacity``
-    cut: what throws a shadow and is looked at hit by hit
-    catcher: what catches shadows, and throws none on others of its kind
-    linked: for each of Scene.lamp_links what throws shadows of its lamps
-    """
-
-    camera: np.ndarray
-    solid: np.ndarray
-    cut: np.ndarray
-    catcher: np.ndarray
-    opacity: Opacity | None
-    linked: tuple[np.ndarray, ...] = ()
-
-    def same(self, other: RayMasks) -> bool:
-        """Whether two are equal."""
-        own, others = ((m.camera, m.solid, m.cut, m.catcher, *m.linked) for m in (self, other))
-        if len(own) != len(others) or not all(map(np.array_equal, own, others)):
-            return False
-        return self.opacity is other.opacity or (
-            self.opacity is not None and self.opacity.same(other.opacity)
-        )
-
-
-def ray_masks(scene: Scene) -> RayMasks | None:
-    """Who sees which triangles; None: all rays see all of them, and nothing lets rays through."""
-    materials, objects = cut_materials(scene), scene.object_flags
-    plain = CAMERA_RAYS | SHADOW_RAYS
-    alike = objects is None or (objects & ~np.uint8(HOLDOUT) == plain).all()
-    all_block = all(link.blockers is None for link in scene.lamp_links)
-    if materials is None and alike and all_block:
-        return None
-    mesh = scene.mesh
-    every = np.ones(len(mesh.triangles), np.bool_)
-    linked = tuple(
-        every if link.blockers is None else link.blockers[mesh.object_index]
-        for link in scene.lamp_links
-    )
-    flags = None if objects is None else objects[mesh.object_index]
-    camera, shadow = (
-        every if flags is None else (flags & kind) != 0 for kind in (CAMERA_RAYS, SHADOW_RAYS)
-    )
-    catcher = ~every if flags is None else (flags & SHADOW_CATCHER) != 0
-    if materials is None:
-        return RayMasks(camera, shadow, ~every, catcher, None, linked)
-    programs = scene.shaders.programs
-    materials &= [program is None or not program.throws_whole_shadow for program in programs]
-    able = can_filter()
-    pairs = zip(materials, programs, strict=True)
-    baked = [able and cut and passes_by_place(program) for cut, program in pairs]
-    cut = materials[mesh.material_index]
-    with_grid = shadow & np.array(baked)[mesh.material_index]
-    # Hits that are looked at one by one answer for all colors, and so do grids beside them.
-    colored = not (shadow & cut & ~with_grid).any()
-    opacity = bake_opacity(scene, with_grid, colored) if with_grid.any() else None
-    if opacity is not None:
-        with_grid = opacity.row >= 0
-    solid, hit_by_hit = shadow & (~cut | with_grid), shadow & cut & ~with_grid
-    return RayMasks(camera, solid, hit_by_hit, catcher, opacity, linked)
 
 
 class PartAccel:
@@ -136,7 +64,13 @@ class PartAccel:
 
     def intersect(self, origins, directions):
         """See Accel; triangles are counted as in the whole mesh."""
-        hit, u, v = self.accel.intersect(origins, directions)
+        return self._as_rows(*self.accel.intersect(origins, directions))
+
+    def as_triangles(self, face, u, v, instance):
+        """See Accel; triangles are counted as in the whole mesh."""
+        return self._as_rows(*self.accel.as_triangles(face, u, v, instance))
+
+    def _as_rows(self, hit, u, v):
         if self.rows is not None and len(self.rows):
             hit = np.where(hit >= 0, self.rows[hit], np.int32(MISS))
         return hit, u, v
@@ -257,6 +191,15 @@ class SceneRays:
     def intersect(self, origins: np.ndarray, directions: np.ndarray):
         """The nearest hits that the camera sees; see Accel."""
         return self._parts.camera.intersect(origins, directions)
+
+    @property
+    def looks(self) -> Traversal:
+        """Of what the camera sees; see Accel."""
+        return self._parts.camera.accel.looks
+
+    def as_triangles(self, face, u, v, instance):
+        """Of what the camera sees; see Accel."""
+        return self._parts.camera.as_triangles(face, u, v, instance)
 
     def occluded(
         self, origins: np.ndarray, directions: np.ndarray, out=None, reach=None, towards=None

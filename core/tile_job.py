@@ -23,19 +23,18 @@ from .guide import Guides
 from .incremental import PixelSums, Sampler, continue_points
 from .light_rays import Light
 from .like_products import apart_of
-from .lobe_setup import setup_lobes
-from .lobes import DIFFUSE_LOBE, Lobes
+from .lobes import DIFFUSE_LOBE
 from .neighbours import CELL_PX, find_neighbours, long_blocks
 from .paper import PaperSampler
 from .paper_tables import PaperTables
 from .rows import any_in_row, row_and_column
 from .sample_plan import Demand
 from .scene import Camera, Scene
+from .seen_points import SeenPoints
 from .sequence import PixelSequence, pixel_sequence
 from .settings import RenderSettings
-from .shading import ShadingPoints, find_within, params_at
+from .shading import ShadingPoints, find_within
 from .stop_rule import Rule, asks_neighbours
-from .surface import closure_layers, surface_lobes
 from .turns import aside
 from .unbiased_rays import UnbiasedSampler
 from .watch import StopFlag
@@ -124,25 +123,6 @@ def whole_cells(rect: Rect, camera: Camera) -> Rect:
     return Rect(x0, y0, min(x1, camera.width) - x0, min(y1, camera.height) - y0)
 
 
-class SeenPoints(NamedTuple):
-    """Shading points of a set of rays and what they are made of; rows: int32 (n,), materials.
-
-    Points of a translucent closure are those of the side that the light comes from.
-    """
-
-    points: ShadingPoints
-    lobes: Lobes
-    rows: np.ndarray
-
-    def at(self, which) -> SeenPoints:
-        """Those of a slice or of indices."""
-        return SeenPoints(
-            self.points.at(which),
-            self.lobes.at(which),
-            self.rows[which],
-        )
-
-
 def trace_points(
     job: Job, rays: CameraRays | SurfaceRays, dither=None, tints=None
 ) -> ShadingPoints:
@@ -165,41 +145,6 @@ def _that_look(origins, directions):
     if not blind.any():
         return origins, directions
     return origins, np.where(blind[:, None], np.float32([0.0, 0.0, 1.0]), directions)
-
-
-def with_lobes(scene: Scene, points: ShadingPoints) -> SeenPoints:
-    """Set up the materials of points; of a mixture the closure of the greatest weight."""
-    rows = scene.mesh.material_index[points.triangle]
-    if scene.shaders is not None:
-        return SeenPoints(*surface_lobes(scene, points), rows)
-    params = params_at(scene.materials, rows)
-    lobes = setup_lobes(params, points.normal, points.geometric_normal, points.wo, scene.measured)
-    return SeenPoints(points, lobes, rows)
-
-
-class ClosureLayer(NamedTuple):
-    """One closure of each of some points; of: int64 (n,), ascending, their rows in the first layer,
-    which has all points."""
-
-    seen: SeenPoints
-    of: np.ndarray
-
-    def at(self, which: np.ndarray) -> ClosureLayer:
-        """Of some of the points, int (m,), ascending, what is in this layer."""
-        place = np.searchsorted(which, self.of).clip(max=max(len(which) - 1, 0))
-        kept = np.flatnonzero(which[place] == self.of) if len(which) else np.zeros(0, np.int64)
-        return ClosureLayer(self.seen.at(kept), place[kept])
-
-
-def with_all_lobes(scene: Scene, points: ShadingPoints) -> list[ClosureLayer]:
-    """The materials of points, a layer for each closure that they mix."""
-    if scene.shaders is None:
-        return [ClosureLayer(with_lobes(scene, points), np.arange(len(points.pixel)))]
-    rows = scene.mesh.material_index[points.triangle]
-    return [
-        ClosureLayer(SeenPoints(own, lobes, rows[of]), of)
-        for of, own, lobes in closure_layers(scene, points)
-    ]
 
 
 def add_samples(

@@ -17,8 +17,8 @@ from .lamp_light import COLUMNS, UNOCCLUDED, LampSamples, add_lamp_light
 from .lamps import MESH, Lamps, is_soft
 from .pass_sums import PassSums
 from .scene import Scene
+from .seen_points import ClosureLayer, SeenPoints
 from .settings import RenderSettings
-from .tile_job import ClosureLayer, SeenPoints
 
 # Shadow rays to lamps with a size that one shading point takes in a pass, while they are few.
 _RAYS_OF_A_PASS, _MOST_OF_A_PASS = 8, 4
@@ -156,7 +156,8 @@ class TileLamps:
         for lamps, link in groups:
             receivers, blockers = (None, None) if link < 0 else self._links[link]
             blocking = accel if blockers is None else accel.linked(link)
-            for seen, of in layers:
+            for layer in layers:
+                seen, of = layer.seen, layer.of
                 if receivers is not None:
                     which = receivers[self._object_of[seen.points.triangle]]
                     seen, of = seen.at(which), of[which]

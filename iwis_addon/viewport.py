@@ -161,8 +161,10 @@ class Viewport:
         if denoise != self._denoise:
             self._denoise = denoise
             self.thread.denoise(*denoise)
-        if camera is not None and camera.lens is not None and settings.pixel_filter == "CENTER":
-            settings = dataclasses.replace(settings, pixel_filter="BOX")  # one point has no blur
+        if camera is not None and settings.pixel_filter == "CENTER":
+            scatters = scene.shaders is not None and scene.shaders.scatters
+            if camera.lens is not None or scatters:  # one point has no blur
+                settings = dataclasses.replace(settings, pixel_filter="BOX")
         before = self._scene, self._settings
         unchanged = scene is before[0] and settings == before[1] and same(camera, self._camera)
         if denoise[0].settings.denoise and not self._guided:

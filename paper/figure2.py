@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.paper import PaperSampler
+from ..core.seen_points import SeenPoints
 from ..core.sequence import PixelSequence, common_points, sequence_point
 from ..core.sphere_map import hemisphere_to_square
-from ..core.tile_job import SeenPoints
 from .runs import Run
 
 DENSITY_SIDE = 64

@@ -16,10 +16,11 @@ from ..core.incremental import continue_points, new_sums
 from ..core.render import render, worker_count
 from ..core.render_cache import RenderCache
 from ..core.scene import Scene
+from ..core.seen_points import SeenPoints, with_lobes
 from ..core.sequence import common_points, pixel_sequence, sequence_point
 from ..core.settings import RenderSettings
 from ..core.stop_rule import paper_rule
-from ..core.tile_job import Job, Rect, SeenPoints, trace_points, with_lobes
+from ..core.tile_job import Job, Rect, trace_points
 from ..core.two_stage import TwoStageSampler, continue_adaptively
 from ..core.watch import StopFlag
 

@@ -39,6 +39,7 @@ MAY_IMPORT_OF_CORE = {
         "islands",
         "object_motion",
         "program_ops",
+        "subsurface",
         "nodes",
         "nodes/color",
         "nodes/hashing",

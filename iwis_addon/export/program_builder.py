@@ -69,6 +69,10 @@ class ProgramBuilder:
         """What feeds an input, as a colour."""
         return self.behind(node.inputs[name], groups, "COLOR")
 
+    def vector(self, node, name: str, groups) -> Value:
+        """What feeds an input, as a vector."""
+        return self.behind(node.inputs[name], groups, "VECTOR")
+
     def vector_if_linked(self, node, name: str, groups) -> Value | None:
         """What feeds an input; None where nothing is linked."""
         if name not in node.inputs or follow(node.inputs[name], groups).node is None:

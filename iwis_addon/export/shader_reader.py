@@ -10,15 +10,14 @@ import numpy as np
 
 from ...core.program import Closure, Value
 from ...core.scene import DIFFUSE, GLOSSY, MULTI_GGX, PRINCIPLED, SHEEN, VELVET_SHEEN
-from .clear_shaders import ClearShaders
 from .node_values import follow
 from .program_builder import ProgramBuilder
+from .subsurface import SubsurfaceShaders
 from .surface_parts import BLACK, DISTRIBUTIONS, ONE, WHITE, ZERO, is_constant
 
 # Principled's inputs that are left out, unless they stand at the value where they do nothing.
 _PRINCIPLED_IGNORES = {
     "Thin Wall": (0.0, "the surface is solid"),
-    "Subsurface Weight": (0.0, "rendered as diffuse"),
     "Thin Film Thickness": (0.0, "rendered without thin film"),
 }
 
@@ -41,7 +40,7 @@ def _f82_of_indices(n, k):
     return base.astype(np.float32), np.minimum(edge / schlick, 1.0).astype(np.float32)
 
 
-class ShaderReader(ClearShaders):
+class ShaderReader(SubsurfaceShaders):
     """Adds what stands behind a shader socket to its ``parts``."""
 
     def __init__(self, builder: ProgramBuilder):
@@ -61,6 +60,7 @@ class ShaderReader(ClearShaders):
             "ShaderNodeBsdfTranslucent": self._translucent,
             "ShaderNodeBsdfGlass": self._glass,
             "ShaderNodeBsdfRefraction": self._refraction,
+            "ShaderNodeSubsurfaceScattering": self._subsurface,
         }
 
     def read(self, socket, groups=(), weight: Value = WHITE) -> None:
@@ -105,6 +105,7 @@ class ShaderReader(ClearShaders):
         weight = self._transmission(node, groups, weight, params, grain)
         distribution = DISTRIBUTIONS[node.distribution]
         self._close(node, groups, weight, PRINCIPLED, distribution, grain, **params)
+        self._scatter_under(node, groups)
 
     def _sheen_layer(self, node, groups, weight):
         """Add Principled's sheen; what it leaves of a weight for all under it."""

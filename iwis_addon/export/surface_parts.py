@@ -23,7 +23,8 @@ def is_constant(value, number=None) -> bool:
 def is_plain_diffuse(closure: Closure) -> bool:
     """Whether a closure can be added to another one by its colour."""
     smooth = is_constant(closure.params.get("diffuse_roughness", ZERO), 0.0)
-    return closure.model == DIFFUSE and closure.normal is None and smooth
+    plain = closure.normal is None and closure.subsurface is None
+    return closure.model == DIFFUSE and plain and smooth
 
 
 @dataclass(slots=True)

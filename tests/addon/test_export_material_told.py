@@ -26,7 +26,6 @@ def test_warnings_name_objects(build, users, where):
 
 
 OTHERS = {
-    "ShaderNodeSubsurfaceScattering": DIFFUSE,
     "ShaderNodeBsdfToon": DIFFUSE,
     "ShaderNodeBsdfHair": DIFFUSE,
     "ShaderNodeBsdfHairPrincipled": DIFFUSE,
@@ -46,7 +45,6 @@ def test_unsupported_shader_is_never_black_without_a_word(build, kind):
 
 
 IGNORED = {
-    "Subsurface Weight": 0.5,
     "Thin Film Thickness": 100.0,
 }
 

@@ -15,6 +15,7 @@ _NOISY = (
     "Mix, three closures",
     "World, ramp by height",
     "Curves, metal",
+    "Subsurface: share varies",
     "Linking: two lamps",
     "Linking: emissive plane, shiny",
     "Motion of shape keys",

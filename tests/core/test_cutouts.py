@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-import iwis.core.scene_rays as scene_rays
+import iwis.core.ray_masks as ray_masks
 from iwis.core.accel import Accel
 from iwis.core.embree_filter import Opacity
 from iwis.core.opacity import bake_opacity
@@ -61,7 +61,7 @@ def _under_a_roof(program, side=6):
 def way(request, monkeypatch):
     """Both ways that shadow rays can be let through."""
     if request.param == "hit by hit":
-        monkeypatch.setattr(scene_rays, "can_filter", lambda: False)
+        monkeypatch.setattr(ray_masks, "can_filter", lambda: False)
     return request.param
 
 

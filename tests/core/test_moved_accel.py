@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core import moved_accel, render_cache, scene_rays
+from iwis.core import moved_accel, ray_masks, render_cache
 from iwis.core.accel import Accel
 from iwis.core.moved_accel import MovedAccel, moved, moves_between, settled
 from iwis.core.program import Closure, Program
@@ -217,7 +217,7 @@ def test_warm_up_traces():
 def test_a_cut_out_lets_rays_through_where_it_has_moved_to(monkeypatch, rng, large, able):
     """Half of them, and nowhere else; its grid is not baked anew for it."""
     monkeypatch.setattr(moved_accel, "_LARGE", 0 if large else 1 << 30)
-    monkeypatch.setattr(scene_rays, "can_filter", lambda: able)
+    monkeypatch.setattr(ray_masks, "can_filter", lambda: able)
     closure = Closure(DIFFUSE, GGX, np.full(3, 0.5, np.float32), {})
     half = Program(ops=(), closures=(closure,), transparent=np.full(3, 0.5, np.float32))
     camera = camera_above(4, 4)

@@ -7,8 +7,9 @@ from iwis.core import pass_samples
 from iwis.core.lobe_setup import setup_lobes
 from iwis.core.pass_samples import PassSampler, shared_counts
 from iwis.core.pass_sums import new_pass_sums
+from iwis.core.seen_points import ClosureLayer, SeenPoints
 from iwis.core.shading import ShadingPoints
-from iwis.core.tile_job import ClosureLayer, Rect, SeenPoints
+from iwis.core.tile_job import Rect
 from support.brdf_points import material
 from support.scenes import camera_above, constant_world, diffuse, make_job, make_scene, quad
 

@@ -185,7 +185,7 @@ def test_layers_hold_the_points_that_have_them():
     program = Program(ops=(_POSITION,), closures=(paint, some), emission=glow)
     scene = _one_program(program, diffuse())
     points = pixel_points(scene).points
-    (first, _, paints), (second, _, mirrors) = closure_layers(scene, points)
+    (first, _, paints, _), (second, _, mirrors, _) = closure_layers(scene, points)
     np.testing.assert_array_equal(first, np.arange(len(points.pixel)))
     np.testing.assert_array_equal(second, np.flatnonzero((points.position > 0.0).any(axis=1)))
     assert 0 < len(second) < len(first)

@@ -36,6 +36,7 @@ WHY = {
     "Particle hair, plastic, children": _FINE,
     "Particle hair, strand shape, closed tip": _FINE,
     "Particle hair, Intercept": _FINE,
+    "Subsurface: Christensen-Burley": "it is rendered as Random Walk, and warned of",
     "Geometry Tangent": "at the poles of the sphere's own direction only",
     "Principled, roughness varies": _EDGES,
     "Principled, specular varies": _EDGES,

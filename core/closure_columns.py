@@ -1,0 +1,128 @@
+"""Closures that programs have been evaluated to, written to the columns of points: their lobes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .bump import turns
+from .lobe_setup import setup_lobes
+from .lobes import Lobes, darken_matte
+from .nodes.values import dot
+from .rows import any_in_row, rows_of
+from .scene import DIFFUSE, SHEEN, TRANSLUCENT, VELVET_SHEEN, MaterialParams, Scene
+from .shading import ShadingPoints, params_at
+from .sheen import set_sheen
+from .stretched import mean_roughness, stretch_lobes
+from .subsurface import Media
+
+
+class ClosureValues(NamedTuple):
+    """A closure at m points, as its program has been evaluated.
+
+    which: int (m,), rows of the points; weight: float32 (m, 3); normal: float32 (m, 3), 0 where it
+    is the surface's own, or None; params: column of MaterialParams -> values at the points; grain:
+    float32 (m, 3), as Closure.grain, or None; matte: float32 (m, 3), factor of its Lambert lobe, or
+    None; media: what that lobe's light comes out of, and nothing else is there; or None
+    """
+
+    closure: tuple
+    which: np.ndarray
+    weight: np.ndarray
+    normal: np.ndarray | None
+    params: dict[str, np.ndarray]
+    grain: np.ndarray | None
+    shadows: bool  # light on a turned normal
+    corrects: bool  # Program.corrects_bumps
+    matte: np.ndarray | None = None
+    media: Media | None = None
+
+    def at(self, some) -> ClosureValues:
+        which, weight, *values = rows_of((self.which, self.weight, *self.params.values()), some)
+        params = dict(zip(self.params, values, strict=True))
+        vectors = {
+            name: rows_of((own,), some)[0]
+            for name in ("normal", "grain", "matte")
+            if (own := getattr(self, name)) is not None
+        }
+        media = None if self.media is None else self.media.at(some)
+        return self._replace(which=which, weight=weight, params=params, media=media, **vectors)
+
+
+class Columns:
+    """What setup_lobes wants of n points, to be overwritten by layers."""
+
+    def __init__(self, scene: Scene, points: ShadingPoints):
+        self.points, self._measured = points, scene.measured
+        self.params = params_at(scene.materials, scene.mesh.material_index[points.triangle])
+        self.normal = points.normal.copy()
+        self.weight = points.through.copy()
+        self._maps_normals = False
+        self._turned = np.zeros(len(points.pixel), np.bool_)  # the normal, by a map, and shadowed
+        self._as_turned = np.zeros(len(points.pixel), np.bool_)  # Program.corrects_bumps is off
+        self._grain = np.zeros((len(points.pixel), 3), np.float32)
+        self._sheen = np.zeros(len(points.pixel), np.int8)  # SHEEN, VELVET_SHEEN
+        self._behind = np.zeros(len(points.pixel), np.bool_)  # TRANSLUCENT
+        self._matte: np.ndarray | None = None
+
+    def write(self, layer: ClosureValues, rows: np.ndarray) -> None:
+        """Give rows the layer's closure."""
+        params: MaterialParams = self.params
+        model, params.distribution[rows] = layer.closure
+        lambert = model in (TRANSLUCENT, SHEEN, VELVET_SHEEN)
+        params.model[rows] = DIFFUSE if lambert else model
+        self._sheen[rows] = model if model in (SHEEN, VELVET_SHEEN) else 0
+        self._behind[rows] = model == TRANSLUCENT
+        for name, values in layer.params.items():
+            getattr(params, name)[rows] = values
+        self.weight[rows] = layer.weight * self.points.through[rows]
+        self._as_turned[rows] = not layer.corrects
+        if layer.grain is not None:
+            self._grain[rows] = layer.grain
+        if layer.matte is not None:
+            if self._matte is None:
+                self._matte = np.ones_like(self.weight)
+            self._matte[rows] = layer.matte
+        if layer.normal is not None:
+            self._maps_normals = True
+            kept = any_in_row(layer.normal)
+            self.normal[rows[kept]] = layer.normal[kept]
+            self._turned[rows[kept]] = layer.shadows
+
+    def made(self) -> tuple[ShadingPoints, Lobes]:
+        """The points, on the side that their closure shines from, and its lobes."""
+        lobes = self._lobes()
+        if not self._behind.any():
+            return self.points, lobes
+        side = np.where(self._behind, np.float32(-1.0), np.float32(1.0))[:, None]
+        lobes = lobes._replace(normal=lobes.normal * side, smooth=lobes.smooth * side)
+        return self.points.from_behind(self._behind), lobes
+
+    def _lobes(self) -> Lobes:
+        points, weight = self.points, self.weight
+        params, brushed = self.params, self._grain.any()
+        if brushed:
+            params = params._replace(roughness=mean_roughness(params.roughness, self._grain))
+        own = params, self.normal, points.geometric_normal, points.wo
+        lobes = setup_lobes(*own, self._measured, self._as_turned)
+        if self._maps_normals:  # below the surface: lit by what no light comes from, as in Cycles
+            lobes.diffuse[dot(points.normal, lobes.normal) < 0.0] = 0.0
+        if self._matte is not None:
+            darken_matte(lobes, self._matte)
+        if self._sheen.any():
+            roughness = self.params.roughness
+            set_sheen(lobes, self._sheen == SHEEN, self._sheen == VELVET_SHEEN, roughness)
+        if brushed:
+            stretch_lobes(lobes, self.params.roughness, self._grain)
+        if self._turned.any():
+            bump = np.where(self._turned, turns(points.normal, lobes.normal), np.float32(0.0))
+            lobes = lobes._replace(smooth=points.normal, bump=bump)
+        if (weight == 1.0).all():
+            return lobes
+        return lobes._replace(
+            diffuse=lobes.diffuse * weight,
+            glossy_color=lobes.glossy_color * weight,
+            weight=lobes.weight * weight[:, None],
+            tint=lobes.tint * weight,
+        )
