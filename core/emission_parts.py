@@ -14,6 +14,8 @@ import numpy as np
 
 from .emitter_tree import areas_of, powers_of_faces
 from .nodes import Evaluation, ShadeContext
+from .nodes.falloff import Falloff, asks_for_distance, falloff_of
+from .nodes.world_map import reached_ops
 from .program import Program, Ref
 from .scene import BLACK, Scene, TriangleMesh
 
@@ -24,23 +26,39 @@ _SAME = 1e-4  # of a part's light: what its points may differ by if it is one li
 _POINTS, _FEW_POINTS, _ENOUGH = 8, 3, 1 << 19  # of a part; of one of very many; of all parts
 _FIRST, _MANY_POINTS = 1 << 15, 4096  # of all parts that may be cut; of one
 _CHUNK = 1 << 16  # points evaluated together
+_FALLOFF_PLACES = 512  # whose light is looked at from several distances
+_STEPS = np.array([[0.7548776662466927], [0.5698402909980532]])  # of a plane lattice
 
 
 class Parts(NamedTuple):
     """n parts of faces. face: int (n,), row of the mesh; corners: float32 (n, 3, 3), world space;
-    radiance: float32 (n, 2, 3), of front and back"""
+    radiance: float32 (n, 2, 3), of front and back; falloff: int (n,), row of the falloffs, -1: the
+    radiance is the same however far light goes"""
 
     face: np.ndarray
     corners: np.ndarray
     radiance: np.ndarray
+    falloff: np.ndarray
 
 
-def parts_that_shine(mesh: TriangleMesh, emission, scene: Scene | None, turned: list[int]) -> Parts:
+class Told(NamedTuple):
+    """Materials whose emission is more than a lamp can have.
+
+    turned: it depends on where it is seen from: the light straight on is taken for all directions
+    uneven: it falls off otherwise in one place than in another: as in its brightest ones
+    """
+
+    turned: list[int]
+    uneven: list[int]
+
+
+def parts_that_shine(
+    mesh: TriangleMesh, emission, scene: Scene | None, told: Told, falloffs: list[np.ndarray]
+) -> Parts:
     """All faces, or their parts, that give light.
 
     emission: float32 (k, 3), radiance of each material; scene: with shaders, whose programs say
-    what the emission is where it varies; turned: gets the materials whose emission depends on where
-    it is seen from, of which the light straight on is taken for all directions
+    what the emission is where it varies; told: gets materials; falloffs: gets Lamps.falloffs
     """
     found, lights_something = [], scene is not None and _reflects(scene)
     for k in range(len(emission)):
@@ -53,15 +71,24 @@ def parts_that_shine(mesh: TriangleMesh, emission, scene: Scene | None, turned: 
         if not len(face):
             continue
         if varies:
-            light = _Light(scene, program)
-            found.append(_varying(mesh, face, light))
+            light, row = _Light(scene, program), -1
+            if asks_for_distance(reached_ops(program, program.emission).values()):
+                falloff, row = light.falloff(face), len(falloffs)
+                light.distance = falloff.distance
+                falloffs.append(falloff.table)
+                if not falloff.whole:
+                    told.uneven.append(k)
+            parts = _varying(mesh, face, light)
+            found.append(Parts(*parts, np.full(len(parts[0]), row)))
             if light.depends_on_view(face):
-                turned.append(k)
+                told.turned.append(k)
         else:
             radiance = np.broadcast_to(np.maximum(emission[k], 0.0), (len(face), 2, 3))
-            found.append(Parts(face, mesh.vertices[mesh.triangles[face]], radiance))
+            corners = mesh.vertices[mesh.triangles[face]]
+            found.append(Parts(face, corners, radiance, np.full(len(face), -1)))
     if not found:
-        return Parts(np.zeros(0, int), np.zeros((0, 3, 3), np.float32), np.zeros((0, 2, 3)))
+        none = np.zeros(0, int)
+        return Parts(none, np.zeros((0, 3, 3), np.float32), np.zeros((0, 2, 3)), none)
     whole = Parts(*map(np.concatenate, zip(*found, strict=True)))
     lit = powers_of_faces(whole.corners, whole.radiance) > 0.0
     return Parts(*(column[lit] for column in whole))
@@ -81,10 +108,14 @@ class _FromOutside(ShadeContext):
 
 
 class _Light:
-    """What a material sends out at places on its faces."""
+    """What a material sends out at places on its faces.
+
+    distance: metres that it goes
+    """
 
     def __init__(self, scene: Scene, program: Program):
         self._scene, self._program, self._same_behind = scene, program, None
+        self.distance = 1.0
 
     def __call__(self, face, places) -> np.ndarray:
         """float32 (n, 2, 3), of front and back. face: int (n,); places: float32 (n, 2)"""
@@ -103,11 +134,30 @@ class _Light:
         straight, aslant = (self._side(face, places, 1.0, slope) for slope in (0.0, 1.5))
         return not np.allclose(straight, aslant, rtol=1e-3, atol=1e-6 * np.abs(straight).max())
 
-    def _side(self, face, places, sign, slope=0.0):
-        chunks = [slice(k, k + _CHUNK) for k in range(0, len(face), _CHUNK)]
-        return np.concatenate([self._chunk(face[c], places[c], sign, slope) for c in chunks])
+    def falloff(self, face) -> Falloff:
+        """How it changes with the distance."""
+        face = face[:: max(len(face) // _FALLOFF_PLACES, 1)]
+        count = max(_FALLOFF_PLACES // len(face), 1)
+        rows, places = np.repeat(face, count), np.tile(_lattice(count), (len(face), 1))
+        n = len(rows)
 
-    def _chunk(self, face, places, sign, slope):
+        def seen(place, distance):
+            found = np.empty((len(place), 3), np.float32)
+            for sign, which in ((1.0, place < n), (-1.0, place >= n)):
+                k = place[which] % n
+                if len(k):
+                    found[which] = self._side(rows[k], places[k], sign, 0.0, distance[which])
+            return found
+
+        return falloff_of(seen, 2 * n)
+
+    def _side(self, face, places, sign, slope=0.0, distance=None):
+        chunks = [slice(k, k + _CHUNK) for k in range(0, len(face), _CHUNK)]
+        far = np.full(len(face), self.distance) if distance is None else distance
+        parts = [self._chunk(face[c], places[c], sign, slope, far[c]) for c in chunks]
+        return np.concatenate(parts)
+
+    def _chunk(self, face, places, sign, slope, distance):
         mesh, scene = self._scene.mesh, self._scene
         corners = mesh.vertices[mesh.triangles[face]]
         weights = np.column_stack([1.0 - places.sum(axis=1), places])
@@ -126,6 +176,7 @@ class _Light:
             _unit(flat + slope * _unit(side)).astype(np.float32),
             smooth.astype(np.float32),
             flat.astype(np.float32),
+            distance=distance.astype(np.float32),
         )
         return np.maximum(Evaluation(self._program, context).vector(self._program.emission), 0.0)
 
@@ -134,8 +185,15 @@ def _unit(vectors):
     return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-30)
 
 
-def _varying(mesh: TriangleMesh, face, light: _Light) -> Parts:
-    """The parts of one material's faces."""
+def _lattice(count: int) -> np.ndarray:
+    """float32 (count, 2): even places on a triangle, as weights of its second and third corner."""
+    a, b = (np.arange(count) * _STEPS + 0.5) % 1.0
+    root = np.sqrt(a)
+    return np.column_stack([root * (1.0 - b), root * b]).astype(np.float32)
+
+
+def _varying(mesh: TriangleMesh, face, light: _Light):
+    """The parts of one material's faces: the first three of Parts."""
     area = areas_of(mesh.vertices[mesh.triangles[face]])
     # Places of a part's corners: weights of the second and third corner of its face.
     whole = np.float32([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
@@ -152,7 +210,7 @@ def _varying(mesh: TriangleMesh, face, light: _Light) -> Parts:
     return _refined(mesh, *map(np.concatenate, zip(*done, strict=True)), light)
 
 
-def _refined(mesh, face, places, area, mean, spread, light) -> Parts:
+def _refined(mesh, face, places, area, mean, spread, light):
     """The same parts, those over which the light differs most cut up."""
     total = float((area * mean.sum((1, 2))).sum())
     while len(face) < _MOST and total > 0.0:
@@ -169,7 +227,7 @@ def _refined(mesh, face, places, area, mean, spread, light) -> Parts:
         old = face[kept], places[kept], area[kept], mean[kept], spread[kept]
         joined = map(np.concatenate, zip(old, (*parts, *seen), strict=True))
         face, places, area, mean, spread = joined
-    return Parts(face, _corners_of(mesh, face, places), mean)
+    return face, _corners_of(mesh, face, places), mean
 
 
 def _corners_of(mesh, face, places):
@@ -191,7 +249,7 @@ def _looked_at(face, places, light: _Light, points: int):
     n, random = len(face), np.random.default_rng(len(face))
     shift = random.random((2, n, 1))
     # Points of a plane lattice, shifted in each part, folded into the triangle.
-    steps = np.arange(points) * np.array([[0.7548776662466927], [0.5698402909980532]])
+    steps = np.arange(points) * _STEPS
     a, b = (shift + steps[:, None, :]) % 1.0
     root = np.sqrt(a)
     u, v = (root * (1.0 - b))[..., None], (root * b)[..., None]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .emission_parts import parts_that_shine
+from .emission_parts import Told, parts_that_shine
 from .emitter_tree import face_tree, powers_of_faces
 from .lamps import MESH, NO_LAMPS, LampFaces, Lamps, make_lamps
 from .scene import Scene, TriangleMesh
@@ -23,25 +23,27 @@ def with_emitters(
     mesh: TriangleMesh,
     emission: np.ndarray,
     scene: Scene | None = None,
-    turned: list[int] | None = None,
+    told: Told | None = None,
     link: np.ndarray | None = None,
     group: np.ndarray | None = None,
 ) -> Lamps:
     """The lamps of some rows (see make_lamps) and of all faces whose material shines.
 
     emission: float32 (n, 3), radiance of each material; costs nothing where none shines
-    scene: whose programs say what an emission is that varies; turned: gets the materials whose
-    emission depends on where it is seen from, which is more than a lamp can have
+    scene: whose programs say what an emission is that varies; told: gets materials whose
+    emission is more than a lamp can have
     link, group: int32 (n_objects,), Lamps.link and Lamps.group of what shines on each object; None:
     all of them light all, and are of no group
     """
-    parts = parts_that_shine(mesh, emission, scene, [] if turned is None else turned)
+    falloffs: list[np.ndarray] = []
+    parts = parts_that_shine(mesh, emission, scene, told or Told([], []), falloffs)
     if not len(parts.face):
         return make_lamps(rows) if rows else NO_LAMPS
     trees, rows, end, root = [], list(rows), 0, 0
     owner = mesh.object_index[parts.face]
     none = np.full(len(owner), -1, np.int32)
     kinds = [none if column is None else column[owner] for column in (link, group)]
+    kinds.append(parts.falloff)
     _, kind = np.unique(kinds, axis=1, return_inverse=True)
     for own in _groups(parts, kind.reshape(-1)):
         tree = face_tree(parts.corners[own], parts.radiance[own], parts.face[own])
@@ -49,6 +51,8 @@ def with_emitters(
         width = max(float(np.linalg.norm(high - low)), 1e-6)
         shape = {"kind": MESH, "position": 0.5 * (low + high), "size": (width, 0.0)}
         shape |= {"link": kinds[0][own[0]], "group": kinds[1][own[0]]}
+        if kinds[2][own[0]] >= 0:
+            shape["falloff"] = falloffs[kinds[2][own[0]]]
         first, end = end, end + len(tree.power)
         rows.append(shape | {"span": (first, end, root)})
         root += len(tree.leaves)

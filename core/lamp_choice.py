@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ._jit import kernel
+from .lamp_falloff import falloff_at
 from .lamps import BEAM, MESH, ROUND_BEAM, SUN, Lamps
 
 # Up to so many lamps all are sampled; of more, so many at each point.
@@ -28,6 +29,17 @@ def powers_of(lamps: Lamps) -> np.ndarray:
 
 
 @kernel(forceinline=True)
+def _falloff(lamps, i, far):
+    """What the distance to its middle makes of lamp i's light; never 0, for elsewhere on the lamp
+    it may be more."""
+    if lamps.falloff[i] < 0:
+        return 1.0
+    r, g, b = falloff_at(lamps, i, far)
+    mean = (r + g + b) / 3.0
+    return mean if mean > 0.0 else 1.0
+
+
+@kernel(forceinline=True)
 def _importance(lamps, powers, i, px, py, pz):
     """What lamp i may bring to a point; 0 only where it brings nothing."""
     kind = lamps.kind[i]
@@ -40,9 +52,11 @@ def _importance(lamps, powers, i, px, py, pz):
     if lamps.size[i, 1] > _ZERO and x * f[i, 0] + y * f[i, 1] + z * f[i, 2] <= 0.0:
         return 0.0
     if kind == BEAM or kind == ROUND_BEAM:
-        return powers[i]
+        height = x * f[i, 0] + y * f[i, 1] + z * f[i, 2]
+        return powers[i] * _falloff(lamps, i, height)
     radius = 0.5 * np.float64(max(lamps.size[i, 0], lamps.size[i, 1]))
-    return powers[i] / max(x * x + y * y + z * z, max(radius * radius, 1e-12))
+    squared = max(x * x + y * y + z * z, max(radius * radius, 1e-12))
+    return powers[i] / squared * _falloff(lamps, i, math.sqrt(squared))
 
 
 @kernel(forceinline=True)

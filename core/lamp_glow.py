@@ -9,6 +9,7 @@ import numpy as np
 
 from ._jit import kernel
 from .camera import CameraRays
+from .lamp_falloff import falloff_at
 from .lamp_pictures import tint_at
 from .lamp_shapes import meet_lamp
 from .lamps import BY_CAMERA, MESH, Lamps
@@ -52,6 +53,9 @@ def _add_glow(lamps, origins, directions, reach, far_plane, glow):
             if factor > 0.0 and near and (far < reach[k] or reach[k] == np.inf):
                 column = 3 + 3 * lamps.group[i]
                 tints = tint_at(lamps, i, px, py, pz, x, y, z, far)
+                if lamps.falloff[i] >= 0:
+                    by = falloff_at(lamps, i, far)
+                    tints = tints[0] * by[0], tints[1] * by[1], tints[2] * by[2]
                 for a in range(3):
                     light = np.float32(np.float64(lamps.radiance[i, a]) * factor * tints[a])
                     glow[k, a] += light

@@ -19,6 +19,7 @@ from ._jit import kernel
 from .accel import Accel, start_shadow_ray
 from .brdf import eval_at, pdf_narrowest_at, sample_narrowest_at
 from .lamp_choice import ALL_LAMPS, CHOSEN_LAMPS, powers_of, share_out
+from .lamp_falloff import falloff_at
 from .lamp_pictures import tint_at
 from .lamp_shapes import meet_lamp, sample_lamp
 from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, Lamps
@@ -116,6 +117,9 @@ def _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays,
     elif lamps.picture[i, 1] > 0:
         tints = tint_at(lamps, i, *_float64(points.position, p), wi[0], wi[1], wi[2], far)
         r, g, b = np.float32(r * tints[0]), np.float32(g * tints[1]), np.float32(b * tints[2])
+    if lamps.falloff[i] >= 0:
+        by = falloff_at(lamps, i, far)
+        r, g, b = np.float32(r * by[0]), np.float32(g * by[1]), np.float32(b * by[2])
     total = (dr * r + dg * g + db * b) * diffuse + (gr * r + gg * g + gb * b) * glossy
     if not 0.0 < total < np.inf:
         return n

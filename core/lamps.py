@@ -18,6 +18,11 @@ BY_DIFFUSE, BY_GLOSSY, BY_CAMERA = 1, 2, 4
 EVERYWHERE = np.float32(-2.0)  # Lamps.cone of what is no spot
 # Cosine of half the angle of the widest spot that has its picture on a plane (lamp_pictures.py).
 PLANE_EDGE = 0.2
+# Rows of a table by distance for each doubling of it; the powers of two, metres, of the first one
+# and of the last one, which are taken beyond.
+FALLOFF_STEPS = 64
+NEAREST, FARTHEST = -14, 30
+FALLOFF_ROWS = (FARTHEST - NEAREST) * FALLOFF_STEPS + 1
 BLOCK = 4  # faces of a MESH that have a box around them
 
 
@@ -90,8 +95,10 @@ class Lamps(NamedTuple):
     span: int32 (n, 3), first row of a MESH in faces, the row after its last, the root of its tree
     picture: int32 (n, 4), first row in texels, width, height (0, 0: none), whether it tells by
         direction; see lamp_pictures.py
+    falloff: int32 (n,), row of falloffs, -1 = the radiance is the same however far light goes
     faces: of all, with the radiance of each
     texels: float32 (m, 3), of all pictures, row by row from the bottom; their mean luminance is 1
+    falloffs: float32 (k, FALLOFF_ROWS, 3), factors of radiance by distance, of falloff_knots
     """
 
     kind: np.ndarray
@@ -110,13 +117,15 @@ class Lamps(NamedTuple):
     group: np.ndarray
     span: np.ndarray
     picture: np.ndarray
+    falloff: np.ndarray
     faces: LampFaces
     texels: np.ndarray
+    falloffs: np.ndarray
 
     def at(self, which) -> Lamps:
         """Those of a slice, of indices or of a mask."""
-        columns = (np.ascontiguousarray(column[which]) for column in self[:-2])
-        return Lamps(*columns, self.faces, self.texels)
+        columns = (np.ascontiguousarray(column[which]) for column in self[:-3])
+        return Lamps(*columns, self.faces, self.texels, self.falloffs)
 
 
 _SHAPES = {
@@ -132,22 +141,41 @@ _SHAPES = {
 }
 
 
+class _Falloffs:
+    """Tables, each once."""
+
+    def __init__(self):
+        self._rows: dict[bytes, int] = {}
+        self._tables: list[np.ndarray] = []
+
+    def row_of(self, table) -> int:
+        row = self._rows.setdefault(table.tobytes(), len(self._tables))
+        if row == len(self._tables):
+            self._tables.append(np.ascontiguousarray(table, np.float32))
+        return row
+
+    def tables(self) -> np.ndarray:
+        return np.stack(self._tables) if self._tables else np.zeros((0, 1, 3), np.float32)
+
+
 def make_lamps(rows: list[dict], faces: LampFaces = NO_FACES) -> Lamps:
     """The table of some lamps: a dict of Lamps' fields each; what is left out is no spot, spread
-    over its whole side, seen by all, with a shadow. Raises ValueError at a value that is not finite
-    or at a negative radiance."""
+    over its whole side, seen by all, with a shadow. "falloff" is a table, of which equal ones
+    become one. Raises ValueError at a value that is not finite or at a negative radiance."""
     n = len(rows)
     columns = {name: np.zeros((n, *shape), np.float32) for name, shape in _SHAPES.items()}
     columns |= {"kind": np.zeros(n, np.int8), "shadow": np.ones(n, np.bool_)}
-    columns |= {name: np.full(n, -1, np.int32) for name in ("link", "group")}
+    columns |= {name: np.full(n, -1, np.int32) for name in ("link", "group", "falloff")}
     columns |= {"span": np.zeros((n, 3), np.int32), "picture": np.zeros((n, 4), np.int32)}
     columns |= {"faces": faces, "texels": np.zeros((0, 3), np.float32)}
     columns["seen_by"] = np.full(n, BY_DIFFUSE | BY_GLOSSY, np.int8)
     columns["cone"][:, 0], columns["spread"][:, 0] = EVERYWHERE, np.inf
     columns["forward"][:, 2], columns["right"][:, 0], columns["up"][:, 1] = -1.0, 1.0, 1.0
+    falloffs = _Falloffs()
     for k, row in enumerate(rows):
         for name, value in row.items():
-            columns[name][k] = value
+            columns[name][k] = falloffs.row_of(value) if name == "falloff" else value
+    columns["falloffs"] = falloffs.tables()
     lamps = Lamps(**columns)
     finite = all(np.isfinite(columns[name]).all() for name in ("position", "size", "radiance"))
     if not finite or (lamps.radiance < 0.0).any():
@@ -159,6 +187,13 @@ def is_soft(lamps: Lamps) -> np.ndarray:
     """bool (n,): which have a size as they are seen from a point, so that one sample is not all."""
     beam = (lamps.kind == BEAM) | (lamps.kind == ROUND_BEAM)
     return (lamps.size[:, 0] > 0.0) & ~beam
+
+
+def falloff_knots() -> np.ndarray:
+    """float32 (FALLOFF_ROWS,), metres: the distance of each row of Lamps.falloffs."""
+    row = np.arange(FALLOFF_ROWS)
+    power = NEAREST + row // FALLOFF_STEPS
+    return np.ldexp(1.0 + (row % FALLOFF_STEPS) / FALLOFF_STEPS, power).astype(np.float32)
 
 
 NO_LAMPS = make_lamps([])

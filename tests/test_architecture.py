@@ -42,6 +42,7 @@ MAY_IMPORT_OF_CORE = {
         "subsurface",
         "nodes",
         "nodes/color",
+        "nodes/falloff",
         "nodes/hashing",
         "nodes/ies",
         "nodes/lamp_map",

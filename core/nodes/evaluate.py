@@ -11,6 +11,7 @@ from . import (
     color,
     coordinates,
     element_info,
+    falloff,
     ies,
     images,
     layers,
@@ -36,6 +37,7 @@ for family in (
     voronoi,
     patterns,
     ies,
+    falloff,
     world,
 ):
     FUNCTIONS |= family.FUNCTIONS

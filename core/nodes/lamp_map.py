@@ -14,8 +14,10 @@ from ..program import Program, SurfaceData, Value
 from ..scene import Camera
 from .context import ShadeContext
 from .evaluate import Evaluation
+from .falloff import Falloff, falloff_of
 
 _BLOCK = 1 << 15  # points at once
+_GRID = 24  # places along a side that a falloff is looked for at
 
 
 class LampPlaces(NamedTuple):
@@ -64,7 +66,7 @@ class LampPlaces(NamedTuple):
 class _LampContext(ShadeContext):
     """n places of a lamp."""
 
-    def __init__(self, lamp: LampPlaces, camera: Camera, u, v):
+    def __init__(self, lamp: LampPlaces, camera: Camera, u, v, distance):
         places, way = lamp.at(u, v)
         matrix = lamp.to_world
         world = places @ matrix[:3, :3].T + matrix[:3, 3]
@@ -79,7 +81,8 @@ class _LampContext(ShadeContext):
             world += lamp.radius * normal
             places = (world - matrix[:3, 3]) @ turned.T
         none = np.zeros(len(u), np.int32)
-        self.mesh, self.camera, self.shadow, self._distance = None, camera, False, None
+        self.mesh, self.camera, self.shadow = None, camera, False
+        self._distance = np.broadcast_to(np.float32(distance), len(u))
         self.surface = SurfaceData(
             row=none,
             object_to_world=matrix[None],
@@ -141,11 +144,17 @@ def _unit_columns(matrix) -> np.ndarray:
 
 
 def lamp_picture(
-    program: Program, value: Value, lamp: LampPlaces, camera: Camera, width: int, height: int
+    program: Program,
+    value: Value,
+    lamp: LampPlaces,
+    camera: Camera,
+    width: int,
+    height: int,
+    distance: float = 1.0,
 ) -> np.ndarray:
     """float32 (height, width, 3): a colour of the program, row 0 at the bottom; none is negative.
 
-    camera: what nodes ask of the view is of its place
+    camera: what nodes ask of the view is of its place; distance: metres that the light goes
     """
     rows, found = max(_BLOCK // width, 1), []
     for first in range(0, height, rows):
@@ -153,6 +162,34 @@ def lamp_picture(
         v, u = np.meshgrid(
             (np.arange(first, last) + 0.5) / height, (np.arange(width) + 0.5) / width, indexing="ij"
         )
-        context = _LampContext(lamp, camera, u.ravel(), v.ravel())
+        context = _LampContext(lamp, camera, u.ravel(), v.ravel(), distance)
         found.append(Evaluation(program, context).vector(value))
     return np.maximum(np.concatenate(found), 0.0).reshape(height, width, 3)
+
+
+def lamp_falloff(program: Program, value: Value, lamp: LampPlaces, camera: Camera) -> Falloff:
+    """How a colour of the program changes with the distance. The rest as of lamp_picture."""
+    u, v = _grid()
+
+    def light(place, distance):
+        context = _LampContext(lamp, camera, u[place], v[place], distance)
+        return np.maximum(Evaluation(program, context).vector(value), 0.0)
+
+    return falloff_of(light, len(u))
+
+
+def even_color(
+    program: Program, value: Value, lamp: LampPlaces, camera: Camera, distance: float
+) -> np.ndarray | None:
+    """float32 (3,): a colour of the program where it is the same all over the lamp; None: it is
+    not. The rest as of lamp_picture"""
+    context = _LampContext(lamp, camera, *_grid(), distance)
+    found = np.maximum(Evaluation(program, context).vector(value), 0.0)
+    return found[0] if (found == found[0]).all() else None
+
+
+def _grid() -> tuple[np.ndarray, np.ndarray]:
+    """u and v, float64 (_GRID^2,)."""
+    axis = (np.arange(_GRID) + 0.5) / _GRID
+    v, u = np.meshgrid(axis, axis, indexing="ij")
+    return u.ravel(), v.ravel()

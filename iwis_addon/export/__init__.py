@@ -27,7 +27,7 @@ import dataclasses
 import numpy as np
 
 from ...core.asked_passes import NO_PASSES
-from ...core.emitters import with_emitters
+from ...core.emitters import Told, with_emitters
 from ...core.program import Shaders
 from ...core.scene import NO_MEASURED, Scene
 from .aovs import AovExport, export_aovs
@@ -54,6 +54,10 @@ __all__ = [
     "film_exposure",
 ]
 
+_UNEVEN = (
+    "its emission changes with the distance otherwise in one place than in another: it lights "
+    "other surfaces as its brightest places do"
+)
 _TURNED = (
     "its emission depends on where it is seen from: as such it is seen, but it lights other "
     "surfaces in all directions as it does straight ahead"
@@ -138,22 +142,28 @@ def _places(geometry: MeshExport) -> np.ndarray:
 
 def _with_lamps(scene: Scene, geometry: MeshExport, cache, warnings: list[str]) -> Scene:
     """The scene with its lamps, and its faces that shine. cache: a TexelCache, or None"""
-    turned: list[int] = []
+    told = Told([], [])
     inventory, emission = geometry.inventory, scene.materials.emission
     every = [look.asked for look in inventory.looks]
     own = inventory.links.rows_of(every), rows_of(every, inventory.groups)
-    rows, texels = with_pictures(inventory.lamps, scene.camera, cache)
-    lamps = with_emitters(rows, scene.mesh, emission, scene, turned, *own)
+    rows, texels = with_pictures(inventory.lamps, scene.camera, cache, warnings)
+    lamps = with_emitters(rows, scene.mesh, emission, scene, told, *own)
     if len(texels):
         lamps = lamps._replace(texels=texels)
-    for k in turned:
-        if k < len(geometry.materials) and geometry.materials[k] is not None:
-            reader = NodeReader(geometry.materials[k].name, geometry.material_users[k], warnings)
-            reader.warn(None, _TURNED)
+    _tell(geometry, told.turned, _TURNED, warnings)
+    _tell(geometry, told.uneven, _UNEVEN, warnings)
     if len(lamps.kind):
         warnings[:] = [line for line in warnings if not line.endswith((NO_LIGHT, NO_WORLD))]
     lamps, links = inventory.links.of_lamps(lamps, every)
     return dataclasses.replace(scene, lamps=lamps, lamp_links=links)
+
+
+def _tell(geometry: MeshExport, rows: list[int], text: str, warnings: list[str]) -> None:
+    """Warn of materials."""
+    for k in rows:
+        if k < len(geometry.materials) and geometry.materials[k] is not None:
+            reader = NodeReader(geometry.materials[k].name, geometry.material_users[k], warnings)
+            reader.warn(None, text)
 
 
 def film_exposure(scene) -> float:

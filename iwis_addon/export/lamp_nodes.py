@@ -28,6 +28,7 @@ class LampReader(NodeReader):
 
     def __init__(self, object_name: str, light_name: str, warnings: list[str]):
         super().__init__("", [], warnings)
+        self.object_name = object_name
         self._where = f'object "{object_name}", light "{light_name}"'
 
 
@@ -36,8 +37,6 @@ class _LampBuilder(ProgramBuilder):
 
     def _made(self, node, groups):
         """See ProgramBuilder."""
-        if node.bl_idname == "ShaderNodeLightFalloff":
-            return self._falloff(node, groups)
         if node.bl_idname == "ShaderNodeTexIES":
             return self._ies(node, groups)
         return super()._made(node, groups)
@@ -55,17 +54,6 @@ class _LampBuilder(ProgramBuilder):
             vector = self.run_at_points("ShaderNodeTexCoord", "Normal", settings=_OF_NORMALS)[0]
         row = self.add_node(node, groups, IES, {"Vector": vector, "Strength": strength}, settings)
         return {output.identifier: Ref(row, "Fac") for output in node.outputs}
-
-    def _falloff(self, node, groups):
-        """Light falls off by the square of the distance as it is."""
-        if self.number(node, "Smooth", groups):
-            self.reader.warn(node, "Smooth is not supported in a light: it is left out")
-        for output in node.outputs:
-            if output.is_linked and output.identifier != "Quadratic":
-                told = f"{output.name} falloff is not supported in a light: it is quadratic"
-                self.reader.warn(node, told)
-        strength = self.number(node, "Strength", groups)
-        return {output.identifier: strength for output in node.outputs}
 
 
 def read_light(tree, reader: LampReader, images) -> LampLight | None:

@@ -7,30 +7,36 @@ import math
 
 import numpy as np
 
-from ...core.lamps import ELLIPSE, PLANE_EDGE, RECTANGLE, SPHERE
+from ...core.lamps import BEAM, PLANE_EDGE, ROUND_BEAM, SPHERE
+from ...core.nodes.falloff import asks_for_distance
 from ...core.nodes.ies import IES
-from ...core.nodes.lamp_map import LampPlaces, lamp_picture
+from ...core.nodes.lamp_map import LampPlaces, even_color, lamp_falloff, lamp_picture
 from ...core.nodes.world_map import reached_ops
-from ...core.program import ImageTiles
+from ...core.program import ImageTiles, Op
 from ...core.scene import Camera
+from .lamp_nodes import LampLight, LampReader
 from .texel_cache import TexelCache
 
-_OF_THE_VIEW = ("ShaderNodeCameraData", "ShaderNodeLightPath", "ShaderNodeVectorTransform")
+_OF_THE_VIEW = ("ShaderNodeCameraData", "ShaderNodeVectorTransform")
+_MANY = (
+    "its light changes with the distance otherwise in one place than in another:"
+    " as in its brightest ones"
+)
 _LEAST, _MOST = 256, 1024  # texels along a side
 _WIDEST = math.radians(89.99)  # half a spot's angle: the tangent of a right one is none
 _LUMINANCE = np.float32([0.2126, 0.7152, 0.0722])
 
 
-def places_of(light, kind: int, matrix: np.ndarray) -> LampPlaces | None:
-    """Where the light of an area, point or spot leaves; None: it is too far away to tell.
+def places_of(light, kind: int, matrix: np.ndarray) -> LampPlaces:
+    """Where a light leaves.
 
     kind: of core.lamps; matrix: float64 (4, 4), to the world
     """
-    if kind in (RECTANGLE, ELLIPSE):
+    if light.type == "AREA":
         height = light.size if light.shape in ("SQUARE", "DISK") else light.size_y
         return LampPlaces(matrix, width=light.size, height=height, flat=True)
-    if light.type not in ("POINT", "SPOT"):
-        return None
+    if light.type == "SUN":
+        return LampPlaces(matrix, radius=1.0)  # any places that differ
     radius = light.shadow_soft_size if kind == SPHERE else 0.0
     if light.type == "POINT":
         return LampPlaces(matrix, radius=radius)
@@ -38,41 +44,72 @@ def places_of(light, kind: int, matrix: np.ndarray) -> LampPlaces | None:
     return LampPlaces(matrix, radius=radius, slope=math.tan(half), flat=math.cos(half) > PLANE_EDGE)
 
 
+def ops_of(light: LampLight) -> list[Op]:
+    """The operations that its colour depends on."""
+    return list(reached_ops(*light).values())
+
+
+def color_of(light: LampLight, places: LampPlaces, distance: float) -> np.ndarray | None:
+    """float32 (3,): what nodes give at a distance if it is the same all over a lamp, and however
+    it is looked at; else None."""
+    if any(map(_asks_for_view, ops_of(light))):
+        return None
+    return even_color(*light, places, None, distance)
+
+
 def with_pictures(
-    rows: list[dict], camera: Camera, cache: TexelCache | None = None
+    rows: list[dict],
+    camera: Camera,
+    cache: TexelCache | None = None,
+    warnings: list[str] | None = None,
 ) -> tuple[list[dict], np.ndarray]:
     """The rows of lamps for make_lamps, and Lamps.texels.
 
-    rows: of read_lamp; "light" and "places" of those that vary become "picture", and their mean
-    a part of their radiance. What is dark is left out. cache: of the job: a picture is made anew
-    where its lamp has changed
+    rows: of read_lamp; "light", "places" and "named" of those that vary become "picture" and
+    "falloff", and their mean a part of their radiance. What is dark is left out. cache: of the job:
+    what is made of a lamp is made anew where it has changed; warnings: get what cannot be shown
     """
-    cache = cache or TexelCache()
+    cache, warnings = cache or TexelCache(), [] if warnings is None else warnings
     made, texels, end = [], [np.zeros((0, 3), np.float32)], 0
     for number, row in enumerate(rows):
-        if "light" not in row:
+        if "light" in row:
+            row, picture = _shown(number, dict(row), camera, cache, warnings)
+            if picture is not None:
+                row["picture"] = (end, *row["picture"])
+                texels.append(picture)
+                end += len(picture)
+        if np.any(row["radiance"]):
             made.append(row)
-            continue
-        row = dict(row)
-        light, places = row.pop("light"), row.pop("places")
-        program, value = light
-        ops = reached_ops(program, value).values()
-        side = _side(ops)
-        if any(op.kind == IES for op in ops):
-            flat = places.flat and places.slope > 0.0
-            places = places._replace(by_direction=True, flat=flat)
-        size = (side, side) if places.flat else (2 * side, side)
-        seen = camera if any(map(_asks_for_view, ops)) else None
-        make = functools.partial(lamp_picture, program, value, places, camera, *size)
-        picture = cache.kept(("lamp", number), (light, places, size, seen), make).reshape(-1, 3)
-        mean = float((picture @ _LUMINANCE).mean(dtype=np.float64))
-        if not mean > 0.0:
-            continue
-        row["radiance"] = np.multiply(row["radiance"], mean)
-        made.append(row | {"picture": (end, *size, places.by_direction)})
-        texels.append(picture / np.float32(mean))
-        end += len(picture)
     return made, np.concatenate(texels)
+
+
+def _shown(number, row, camera, cache, warnings) -> tuple[dict, np.ndarray | None]:
+    """A row of make_lamps, of whose picture the first texel is missing, and its texels, or None."""
+    light, places, named = row.pop("light"), row.pop("places"), row.pop("named")
+    ops = ops_of(light)
+    if any(op.kind == IES for op in ops):
+        flat = places.flat and places.slope > 0.0
+        places = places._replace(by_direction=True, flat=flat)
+    seen = camera if any(map(_asks_for_view, ops)) else None
+    distance = 1.0
+    if asks_for_distance(ops):
+        find = functools.partial(lamp_falloff, *light, places, camera)
+        falloff = cache.kept(("lamp's falloff", number), (light, places, seen), find)
+        row["falloff"], distance = falloff.table, falloff.distance
+        if (falloff.even and falloff.whole) or row["kind"] in (BEAM, ROUND_BEAM):
+            row["radiance"] = row["radiance"] * falloff.color
+            return row, None
+        if not falloff.whole:
+            LampReader(*named, warnings).warn(None, _MANY)
+    side = _side(ops)
+    size = (side, side) if places.flat else (2 * side, side)
+    make = functools.partial(lamp_picture, *light, places, camera, *size, distance)
+    source = light, places, size, seen, distance
+    picture = cache.kept(("lamp", number), source, make).reshape(-1, 3)
+    mean = float((picture @ _LUMINANCE).mean(dtype=np.float64))
+    row["radiance"] = np.multiply(row["radiance"], mean)
+    row["picture"] = (*size, places.by_direction)
+    return row, picture / np.float32(mean) if mean > 0.0 else None
 
 
 def _asks_for_view(op) -> bool:

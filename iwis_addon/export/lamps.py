@@ -25,12 +25,14 @@ from ...core.lamps import (
     SPHERE,
     SUN,
 )
+from ...core.nodes.falloff import INFINITELY_FAR, asks_for_distance
 from ...core.nodes.typical import mean_value
 from .lamp_nodes import LampLight, LampReader, read_light
-from .lamp_pictures import places_of
+from .lamp_pictures import color_of, ops_of, places_of
 from .program_images import ImageStore
 from .surface_parts import is_constant
 
+_ONE_WAY = "its nodes vary with the direction, which a sun or a beam has one of: mean"
 _STEEPEST = 1e30  # of a spot's edge: float32 has no infinity that times zero is zero
 
 
@@ -79,10 +81,16 @@ def read_lamp(obj, matrix_world, warnings: list[str], images=None) -> dict | Non
 def _varying(light, row, matrix, own: LampLight, nodes) -> dict:
     """What a row has of a light whose nodes vary over it."""
     places = places_of(light, row["kind"], matrix)
-    if places is not None:
-        return {"light": own, "places": places}
-    nodes.warn(None, "its nodes vary with the direction, which a sun or a beam has one of: mean")
-    return {"radiance": row["radiance"] * mean_value(own.program, own.value)}
+    varying = {"light": own, "places": places, "named": (nodes.object_name, light.name)}
+    if row["kind"] not in (SUN, BEAM, ROUND_BEAM):
+        return varying
+    color = color_of(own, places, INFINITELY_FAR if row["kind"] == SUN else 1.0)
+    if color is None:
+        nodes.warn(None, _ONE_WAY)
+        color = mean_value(own.program, own.value)
+    elif row["kind"] != SUN and asks_for_distance(ops_of(own)):
+        return varying
+    return {"radiance": row["radiance"] * color}
 
 
 def _cycles(light, name, otherwise):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...core.nodes.falloff import LIGHT_FALLOFF
 from ...core.program import Ref
 from .blackbody import blackbody_color, blackbody_settings
 from .object_properties import TABLES
@@ -194,6 +195,17 @@ def _blackbody(builder, node, groups):
     return {"Color": np.float32(blackbody_color(inputs["Temperature"]))}
 
 
+def _light_falloff(builder, node, groups):
+    """Light falls off by the square of the distance as it is: then it is a constant."""
+    strength = builder.number(node, "Strength", groups)
+    smooth = builder.number(node, "Smooth", groups)
+    used = {output.identifier for output in node.outputs if output.is_linked}
+    if not isinstance(smooth, Ref) and not smooth > 0.0 and used <= {"Quadratic"}:
+        return {"Quadratic": strength}
+    inputs = {"Strength": strength, "Smooth": smooth}
+    return builder.add_node(node, groups, LIGHT_FALLOFF, inputs, {"outputs": set()})
+
+
 HANDLERS = {
     "ShaderNodeBlackbody": _blackbody,
     "ShaderNodeTexCoord": _texture_coordinate,
@@ -208,4 +220,5 @@ HANDLERS = {
     "ShaderNodeVectorCurve": _curves(3),
     "ShaderNodeFloatCurve": _curves(1),
     "ShaderNodeTexImage": _image_texture,
+    LIGHT_FALLOFF: _light_falloff,
 }

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...core.nodes.falloff import LIGHT_FALLOFF
 from ...core.nodes.world import DIRECTION, ENVIRONMENT
 from ...core.program import Op, Ref
 from ...core.scene import EnvironmentMap
@@ -110,6 +111,12 @@ def _ambient_occlusion(builder, node, groups):
     return constants(node, {"AO": 1.0}) | {"Color": builder.color(node, "Color", groups)}
 
 
+def _light_falloff(builder, node, groups):
+    """From infinitely far light comes as it is, in Cycles too (measured)."""
+    strength = builder.number(node, "Strength", groups)
+    return {socket.identifier: strength for socket in node.outputs}
+
+
 def _mix(builder, node, groups):
     """A Mix of a constant factor that shows one of its inputs alone is that one."""
     old = node.bl_idname == "ShaderNodeMixRGB"
@@ -133,6 +140,7 @@ _HANDLERS = {
     **world_coordinates.HANDLERS,
     **world_textures.HANDLERS,
     "ShaderNodeAmbientOcclusion": _ambient_occlusion,
+    LIGHT_FALLOFF: _light_falloff,
     "ShaderNodeMix": _mix,
     "ShaderNodeMixRGB": _mix,
 }

@@ -6,6 +6,7 @@ import pytest
 
 from iwis.core.lamps import (
     MESH,
+    falloff_knots,
 )
 from iwis.iwis_addon.export import export_scene
 from support.above import look_from_above
@@ -113,3 +114,43 @@ def test_emission_by_direction_is_warned(scene):
     _, warnings = _faces_over_a_floor(add_emitter(1.0), "ShaderNodeLayerWeight", "Fresnel")
     assert len(warnings) == 1 and 'material "Glow"' in warnings[0]
     assert "depends on where it is seen from" in warnings[0]
+
+
+def test_emission_by_distance_is_a_table(scene):
+    """Light Falloff: radiance x factor is Strength x the square of the distance, on both sides; a
+    material of its own is a lamp of its own."""
+    _add_constant_light(add_emitter(4.0), 2.0)
+    add_emitter(4.0)
+    lines = []
+    lamps = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines).lamps
+    assert lines == [] and sorted(lamps.falloff.tolist()) == [-1, 0]
+    (row,) = np.flatnonzero(lamps.falloff == 0)
+    first, end, _ = lamps.span[row]
+    light = lamps.faces.radiance[2 * first, 0] * lamps.falloffs[0, :, 0]
+    np.testing.assert_allclose(light, 2.0 * falloff_knots().astype(float) ** 2, rtol=1e-5)
+    radiance = lamps.faces.radiance[2 * first : 2 * end][lamps.faces.radiance[2 * first :, 0] > 0.0]
+    assert (radiance == radiance[0]).all() and len(radiance) == 4
+
+
+def _add_constant_light(emission, strength):
+    tree = emission.id_data
+    node = tree.nodes.new("ShaderNodeLightFalloff")
+    node.inputs["Strength"].default_value = strength
+    tree.links.new(node.outputs["Constant"], emission.inputs["Strength"])
+    bpy.ops.mesh.primitive_plane_add(size=9.0)  # what is lit
+    bpy.context.view_layer.update()
+
+
+def test_emission_that_falls_off_in_two_ways_is_warned(scene):
+    """The distance to the power of a coordinate."""
+    emission = add_emitter(1.0)
+    tree = emission.id_data
+    power, place = tree.nodes.new("ShaderNodeMath"), tree.nodes.new("ShaderNodeTexCoord")
+    power.operation = "POWER"
+    falloff = tree.nodes.new("ShaderNodeLightFalloff")
+    tree.links.new(falloff.outputs["Linear"], power.inputs[0])
+    tree.links.new(place.outputs["UV"], power.inputs[1])
+    tree.links.new(power.outputs[0], emission.inputs["Strength"])
+    _, warnings = _faces_over_a_floor(emission, "ShaderNodeRGB", "Color", "Color")
+    assert len(warnings) == 1 and 'material "Glow"' in warnings[0]
+    assert "changes with the distance otherwise in one place" in warnings[0]

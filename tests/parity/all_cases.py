@@ -5,6 +5,7 @@ from . import (
     coordinate_cases,
     element_cases,
     emitter_cases,
+    falloff_cases,
     flag_cases,
     image_cases,
     lamp_cases,
@@ -42,6 +43,7 @@ _FAMILIES = (
     flag_cases,
     link_cases,
     shown_lamp_cases,
+    falloff_cases,
     motion_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

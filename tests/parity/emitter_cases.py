@@ -12,7 +12,7 @@ def _glow(color, strength):
     return lambda t: t.made("ShaderNodeEmission", 0, {"Color": color, "Strength": strength})
 
 
-def _glowing(make):
+def glowing(make):
     """A material of a shader, which shines."""
     material = bpy.data.materials.new("Glow")
     if bpy.app.version < (5, 0):
@@ -28,7 +28,7 @@ _EVEN = _glow((1.0, 0.7, 0.3), 8.0)
 def glowing_plane(scene):
     """A square that shines, above the cube."""
     bpy.ops.mesh.primitive_plane_add(size=1.0, location=(1.0, -1.0, 2.5))
-    bpy.context.object.data.materials.append(_glowing(_EVEN))
+    bpy.context.object.data.materials.append(glowing(_EVEN))
     return bpy.context.object
 
 
@@ -36,7 +36,7 @@ def _emitter(name, add, make=matte, world=False, copies=1, glow=_EVEN, sampling=
     """add(k): makes the mesh object k in Blender; glow(tree): its shader"""
 
     def build(scene, tree):
-        material = _glowing(glow)
+        material = glowing(glow)
         material.cycles.emission_sampling = sampling
         for k in range(copies):
             add(k)
@@ -173,7 +173,7 @@ def _bright_sun(scene):
 def _bright_plane(scene):
     _plane(0)
     bpy.context.object.name = "Light"
-    bpy.context.object.data.materials.append(_glowing(_glow((1.0, 0.9, 0.8), 20.0)))
+    bpy.context.object.data.materials.append(glowing(_glow((1.0, 0.9, 0.8), 20.0)))
 
 
 _caught("Shadow catcher, world alone", lambda scene: None, False)

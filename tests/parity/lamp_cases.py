@@ -23,6 +23,14 @@ def add_lamp(scene, kind, location, target=(0.0, 0.0, -0.4), scale=(1.0, 1.0, 1.
     return light
 
 
+def dressed(lamp, shader):
+    """Have a light shine as a shader(tree) says."""
+    if bpy.app.version < (5, 0):
+        lamp.use_nodes = True
+    tree = Tree(lamp.node_tree, "ShaderNodeOutputLight")
+    tree.surface(shader(tree))
+
+
 def matte(tree):
     return tree.made("ShaderNodeBsdfDiffuse", 0, {"Color": (0.7, 0.6, 0.5)})
 
@@ -58,14 +66,14 @@ _case("Point", "POINT", ABOVE, **_POINT)
 _case("Point, not normalized", "POINT", ABOVE, normalize=False, **_POINT)
 
 
+def _black_body(tree):
+    color = tree.made("ShaderNodeBlackbody", 0, {0: 3200.0})
+    return tree.made("ShaderNodeEmission", 0, {"Color": color, "Strength": 1.0})
+
+
 def _with_blackbody(name):
     def build(scene, tree):
-        lamp = add_lamp(scene, "POINT", ABOVE, **_POINT)
-        if bpy.app.version < (5, 0):
-            lamp.use_nodes = True
-        light = Tree(lamp.node_tree, "ShaderNodeOutputLight")
-        color = light.made("ShaderNodeBlackbody", 0, {0: 3200.0})
-        light.surface(light.made("ShaderNodeEmission", 0, {"Color": color, "Strength": 1.0}))
+        dressed(add_lamp(scene, "POINT", ABOVE, **_POINT), _black_body)
         tree.surface(matte(tree))
 
     lit_by(name, build)

@@ -7,25 +7,23 @@ import math
 import bpy
 
 from .cases import lit_by
-from .lamp_cases import ABOVE, SIDE, add_lamp, matte, shiny
+from .lamp_cases import ABOVE, SIDE, add_lamp, dressed, matte, shiny
 from .lit_cases import image_of
-from .scene import Tree
 
 _CAMERA, _BESIDE = (0.3, -6.0, 1.6), (0.2, 0.5, 1.1)
 
 
-def _dressed(lamp, color):
-    """Have a light shine with a colour that color(tree) makes."""
-    if bpy.app.version < (5, 0):
-        lamp.use_nodes = True
-    tree = Tree(lamp.node_tree, "ShaderNodeOutputLight")
-    tree.surface(tree.made("ShaderNodeEmission", 0, {"Color": color(tree), "Strength": 1.5}))
+def _colored(color):
+    """An Emission of a color that color(tree) makes."""
+    inputs = {"Strength": 1.5}
+    return lambda t: t.made("ShaderNodeEmission", 0, inputs | {"Color": color(t)})
 
 
 def _case(name, color, kind, location, make=matte, seen=False, **options):
     def build(scene, tree):
         target = {"target": _CAMERA} if seen else {}
-        _dressed(add_lamp(scene, kind, location, visible_camera=seen, **target, **options), color)
+        lamp = add_lamp(scene, kind, location, visible_camera=seen, **target, **options)
+        dressed(lamp, _colored(color))
         tree.surface(make(tree))
 
     lit_by(f"Lamp's nodes: {name}", build, world=seen, blurred=seen)

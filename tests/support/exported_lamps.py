@@ -12,5 +12,6 @@ def exported():
     if not len(scene.lamps.kind):
         return None, lines
     assert len(scene.lamps.kind) == 1
-    own = {name: value for name, value in scene.lamps._asdict().items() if name != "texels"}
+    shared = "faces", "texels", "falloffs"
+    own = {n: value for n, value in scene.lamps._asdict().items() if n not in shared}
     return {name: value[0] for name, value in own.items()}, lines
