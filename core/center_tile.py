@@ -190,14 +190,16 @@ class CenterTile:
         rays = rays_through(scene.camera, columns + 0.5, rows + 0.5)
         self._primary += len(rays.origins)
         tints = np.ones((len(pixel), 3), np.float32)
-        points = trace_points(self._job, rays, dither_of(columns, rows), tints)
+        shown = shown_lamps(scene.lamps)
+        passed = None if shown is None else []
+        points = trace_points(self._job, rays, dither_of(columns, rows), tints, passed)
         missed = np.ones(len(pixel), np.bool_)
         missed[points.pixel] = False
         places = places_in(self.rect, columns, rows)
         self._missed = MissedRays(places[missed], rays.directions[missed], tints[missed])
-        shown = shown_lamps(scene.lamps)
-        groups = len(scene.asked.groups.layers)
-        self._glow = None if shown is None else (places, lamp_glow(shown, rays, points, groups))
+        if shown is not None:
+            groups = len(scene.asked.groups.layers)
+            self._glow = places, lamp_glow(shown, rays, points, groups, passed)
         self._places = places[points.pixel]
         bounds = np.searchsorted(points.pixel, ends)  # points.pixel: rows of the rays, ascending
         layers = with_all_lobes(scene, points._replace(pixel=pixel[points.pixel]))

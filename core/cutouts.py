@@ -9,6 +9,8 @@ does not let a ray through is brighter by the inverse of the probability of that
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from .nodes import Evaluation, ShadeContext
@@ -22,6 +24,18 @@ from .shading import ShadingPoints
 MOST_LAYERS = 64
 # Above, a surface that is drawn all the same is not made brighter: there is nothing to be seen.
 _ALL = np.float32(0.9999)
+
+
+class PassedPanes(NamedTuple):
+    """Surfaces that rays have gone through.
+
+    ray: int (n,); far: float32 (n,), metres from its origin; color: float32 (n, 3), what it brings
+    of what lies behind
+    """
+
+    ray: np.ndarray
+    far: np.ndarray
+    color: np.ndarray
 
 
 def cut_materials(scene: Scene) -> np.ndarray | None:
@@ -122,6 +136,7 @@ def points_through(
     dither: np.ndarray | None,
     tints: np.ndarray | None = None,
     hits: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
+    passed: list[PassedPanes] | None = None,
 ) -> ShadingPoints:
     """The points where camera rays end; ``pixel`` is the row of the ray, ascending.
 
@@ -130,6 +145,7 @@ def points_through(
     tints: float32 (n, 3), of ones; gets ShadingPoints.through of each ray, those too that hit
         nothing in the end
     hits: what rays meet, as of accel.intersect, and nothing after that; None: it is asked
+    passed: gets what rays go through
     """
     tints = np.ones((len(origins), 3), np.float32) if tints is None else tints
     hit, u, v = accel.intersect(origins, directions) if hits is None else hits
@@ -145,7 +161,12 @@ def points_through(
         goes = number < passing
         ended.append(points.at(~goes))
         points = points.at(goes)
-        tints[points.pixel] *= color[goes] / passing[goes, None]
+        colors = color[goes] / passing[goes, None]
+        tints[points.pixel] *= colors
+        if passed is not None and len(points.pixel):
+            away = points.position - origins[points.pixel]
+            far = np.sqrt(np.einsum("ij,ij->i", away, away))
+            passed.append(PassedPanes(points.pixel, far, colors))
         if numbers is not None:
             numbers[points.pixel] = number[goes] / passing[goes]
         if hits is not None:

@@ -221,10 +221,11 @@ class FilteredTile:
         pilot, looked = self._passes < PILOT, own.pixel
         rays = self._rays(own, time)
         tints = np.ones((len(looked), 3), np.float32)
-        points = trace_points(job, rays, self._dither(own), tints)
+        passed = None if self._shown is None else []
+        points = trace_points(job, rays, self._dither(own), tints, passed)
         glow, groups = None, len(self._job.scene.asked.groups.layers)
         if self._shown is not None:
-            glow = looked, lamp_glow(self._shown, rays, points, groups)
+            glow = looked, lamp_glow(self._shown, rays, points, groups, passed)
         self._primary += len(looked)
         missed = np.ones(len(looked), np.bool_)
         missed[points.pixel] = False

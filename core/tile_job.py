@@ -124,16 +124,16 @@ def whole_cells(rect: Rect, camera: Camera) -> Rect:
 
 
 def trace_points(
-    job: Job, rays: CameraRays | SurfaceRays, dither=None, tints=None
+    job: Job, rays: CameraRays | SurfaceRays, dither=None, tints=None, passed=None
 ) -> ShadingPoints:
     """The points that camera rays see; ``pixel`` is the row of the ray.
 
-    dither, tints: of cutouts.points_through
+    dither, tints, passed: of cutouts.points_through
     """
     origins, directions, reach = rays[:3]
     looks = _that_look(origins, directions)
     hits = rays.hits if isinstance(rays, SurfaceRays) else None
-    points = points_through(job.scene, job.accel, *looks, dither, tints, hits)
+    points = points_through(job.scene, job.accel, *looks, dither, tints, hits, passed)
     near_enough = np.empty(len(points.pixel), np.bool_)
     find_within(points, origins, reach, near_enough)
     return points if near_enough.all() else points.at(near_enough)

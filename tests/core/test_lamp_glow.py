@@ -1,11 +1,14 @@
 """Lamps that the camera sees: light that is added along its rays."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from iwis.core.lamp_glow import shown_lamps
+from iwis.core.camera import CameraRays
+from iwis.core.cutouts import PassedPanes
+from iwis.core.lamp_glow import lamp_glow, shown_lamps
 from iwis.core.lamps import (
     BEAM,
     BY_CAMERA,
@@ -18,7 +21,10 @@ from iwis.core.lamps import (
     SUN,
     make_lamps,
 )
+from iwis.core.program import Closure, Program
+from iwis.core.scene import BLACK, GGX
 from support.lamp_rows import area
+from support.programs import with_programs
 from support.scenes import (
     box,
     camera_above,
@@ -118,3 +124,55 @@ def test_only_what_has_a_size_is_shown():
     assert shown_lamps(make_lamps(rows)) is None
     lamps = shown_lamps(make_lamps([*rows, rows[-1] | SEEN]))
     assert len(lamps.kind) == 1 and lamps.seen_by[0] & BY_CAMERA
+
+
+TINT = np.float32([0.5, 0.25, 0.75])
+
+
+def seen_through(heights, row, pixel_filter, **fields):
+    """What a lamp adds to the picture of a floor under tinted panes."""
+    closure = Closure(BLACK, GGX, np.ones(3, np.float32), {})
+    pane = Program(ops=(), closures=(closure,), transparent=TINT)
+    parts = [floor(0.6), *(floor(9.0, height) for height in heights)]
+    found = []
+    for seen in (SEEN, {}):
+        lamps = make_lamps([row | seen | {"radiance": COLOR}])
+        materials = [diffuse()] * len(parts)
+        scene = make_scene(parts, materials, constant_world(), camera_above(24, 24), lamps=lamps)
+        scene = with_programs(scene, None, *[pane] * len(heights))
+        settings = {"stop_rule": "FIXED", "max_samples": 16, "pixel_filter": pixel_filter}
+        found.append(make_picture(dataclasses.replace(scene, **fields), **settings)[0])
+    return glow(*found)
+
+
+@FILTERS
+@pytest.mark.parametrize("heights", [(4.0,), (4.0, 6.0), (1.0,), (5.0, 1.0)])
+def test_panes_tint_the_lamps_behind_them(pixel_filter, heights):
+    """Each that lies between the camera and the lamp, 2 m high, and none that lies behind it."""
+    row = {"kind": SPHERE, "position": (-0.3, 0.0, 2.0), "size": (0.25, 0.0)}
+    added = seen_through(heights, row, pixel_filter)
+    before = sum(height > 2.0 for height in heights)
+    np.testing.assert_allclose(added[12, 8], COLOR * TINT**before, rtol=1e-4)
+
+
+@FILTERS
+def test_a_pane_tints_what_shines_from_infinitely_far(pixel_filter):
+    """A sun, beside the floor; the film is transparent, its opacity is the pane's alone."""
+    row = {"kind": SUN, "forward": (0.0, 0.0, 1.0), "size": (0.2, 0.0)}
+    added = seen_through((4.0,), row, pixel_filter, transparent_film=True)
+    np.testing.assert_allclose(added[1, 12], COLOR * TINT, rtol=1e-4)
+
+
+def test_panes_tint_the_lamps_of_light_groups():
+    """Columns behind the first three are tinted alike."""
+    row = {"kind": SPHERE, "position": (0.0, 0.0, -5.0), "size": (1.0, 0.0), "group": 0}
+    lamps = make_lamps([row | {"radiance": COLOR}])
+    origins, down = np.zeros((2, 3), np.float32), np.float32([[0.0, 0.0, -1.0]] * 2)
+    rays = CameraRays(origins, down, np.full(2, 100.0, np.float32))
+    nothing = SimpleNamespace(pixel=np.zeros(0, np.int32), position=np.zeros((0, 3), np.float32))
+    panes = [
+        PassedPanes(np.array([1]), np.float32([far]), TINT[None].copy()) for far in (2.0, 3.0, 4.5)
+    ]
+    found = lamp_glow(lamps, rays, nothing, 1, panes)
+    np.testing.assert_allclose(found[0], [*COLOR, *COLOR])
+    np.testing.assert_allclose(found[1], np.tile(COLOR * TINT**2, 2), rtol=1e-6)  # float32

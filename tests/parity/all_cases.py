@@ -14,6 +14,7 @@ from . import (
     lit_cases,
     motion_cases,
     normal_cases,
+    pane_cases,
     property_cases,
     shown_lamp_cases,
     subsurface_cases,
@@ -44,6 +45,7 @@ _FAMILIES = (
     link_cases,
     shown_lamp_cases,
     falloff_cases,
+    pane_cases,
     motion_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

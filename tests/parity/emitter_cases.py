@@ -13,8 +13,13 @@ def _glow(color, strength):
 
 
 def glowing(make):
-    """A material of a shader, which shines."""
-    material = bpy.data.materials.new("Glow")
+    """A material of a shader make(tree), which shines."""
+    return material_of("Glow", make)
+
+
+def material_of(name, make):
+    """A material of a shader make(tree)."""
+    material = bpy.data.materials.new(name)
     if bpy.app.version < (5, 0):
         material.use_nodes = True
     tree = Tree(material.node_tree)
