@@ -143,17 +143,19 @@ class SurfaceData:
 
 
 class Aov(NamedTuple):
-    """What nodes of materials write into a pass.
+    """What nodes of materials, and of the world, write into a pass.
 
     layer: its name in the film; channels: 4, a colour and 1, or 1, a number
     programs: one a material, of which the closures are not asked; None: it writes nothing
     values: of the programs, one a material
+    world: what camera rays write that see it; its strength is not asked
     """
 
     layer: str
     channels: int
     programs: tuple[Program | None, ...]
     values: tuple[Value | None, ...]
+    world: WorldProgram | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

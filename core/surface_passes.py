@@ -60,7 +60,7 @@ class SurfacePasses:
         """Add rays that see the world to their pixels, place: int32 (k,), -1 = none."""
         inside = place >= 0
         for kind in self._kinds:
-            if isinstance(kind, TileVectors):
+            if isinstance(kind, (TileVectors, TileAov)):
                 kind.add_missed(scene, place[inside], directions[inside])
 
     def write(self, layers: dict[str, np.ndarray], rows, passes: np.ndarray) -> None:

@@ -30,7 +30,7 @@ from ...core.asked_passes import NO_PASSES
 from ...core.emitters import Told, with_emitters
 from ...core.program import Shaders
 from ...core.scene import NO_MEASURED, Scene
-from .aovs import AovExport, export_aovs
+from .aovs import AovExport, export_aovs, no_aovs
 from .asked import read_asked
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
@@ -94,8 +94,8 @@ def export_scene(
     if cancelled():
         raise ExportCancelled
     scene = depsgraph.scene_eval
-    layer = None if live is not None else depsgraph.view_layer_eval
-    aovs = export_aovs(layer, geometry.materials, geometry.material_users, warnings, texels)
+    own = geometry.materials, geometry.material_users, warnings, texels
+    aovs = export_aovs(depsgraph, *own) if live is None else no_aovs(geometry.materials)
     unlit = Scene(
         mesh=geometry.mesh,
         materials=materials.params,
@@ -110,7 +110,7 @@ def export_scene(
         transparent_film=scene.render.film_transparent,
         measured=measured or NO_MEASURED,
         exposure=film_exposure(scene),
-        asked=NO_PASSES if live is not None else read_asked(depsgraph, geometry, warnings),
+        asked=NO_PASSES if live is not None else read_asked(depsgraph, geometry),
         object_to_world=None if live is None else _places(geometry),
     )
     return _with_lamps(unlit, geometry, texels, warnings)

@@ -1,17 +1,21 @@
-"""AOV Output nodes of materials: values that they write into passes of the view layer."""
+"""AOV Output nodes of materials and worlds: values that they write into passes of a layer."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import bpy
+import numpy as np
 
-from ...core.program import Aov, Program
+from ...core.program import Aov, Program, WorldProgram
 from ..passes import aov_layer, wanted_aovs
 from .node_values import NodeReader
 from .program_builder import ProgramBuilder
 from .program_images import ImageStore
+from .texel_cache import TexelCache
 from .world import world_of
+from .world_builder import WorldBuilder, WorldReader
+from .world_coordinates import CAMERA_RAYS
 
 
 class AovExport(NamedTuple):
@@ -30,43 +34,38 @@ class _Written(NamedTuple):
 
 
 def export_aovs(
-    view_layer, materials: list, users: list[list[str]], warnings: list[str], texel_cache=None
+    depsgraph, materials: list, users: list[list[str]], warnings: list[str], texel_cache=None
 ) -> AovExport:
-    """All that the layer asks for; None, in a window: nothing.
+    """All that the graph's view layer asks for.
 
     materials: evaluated, None is an empty slot; users: names of the objects that have each
     warnings: gets a line for each node that is not known
     """
-    wanted = [] if view_layer is None else wanted_aovs(view_layer)
+    wanted = wanted_aovs(depsgraph.view_layer_eval)
     if not wanted:
-        return AovExport((), (frozenset(),) * len(materials))
+        return no_aovs(materials)
     names, images = {aov.name for aov in wanted}, ImageStore(texel_cache)
     found = [
         _written(material, names, NodeReader(_name(material), who, warnings), images)
         for material, who in zip(materials, users, strict=True)
     ]
-    aovs = tuple(_aov(own, found) for own in wanted)
+    cache = texel_cache or TexelCache()
+    world = _written_by_world(depsgraph, names, warnings, images, cache)
+    aovs = tuple(_aov(own, found, world) for own in wanted)
     none = frozenset()
     return AovExport(aovs, tuple(none if one is None else one.requests for one in found))
 
 
-def tell_of_world(depsgraph, warnings: list[str]) -> None:
-    """Add a line where the world has a node that writes what is asked for: it is not read."""
-    world = world_of(depsgraph)
-    names = {aov.name for aov in wanted_aovs(depsgraph.view_layer_eval)}
-    if not names or world is None or world.node_tree is None:
-        return
-    for node, _ in _nodes_of(world.node_tree):
-        if node.aov_name in names:
-            told = "AOV Output is not supported in a world: nothing is written"
-            warnings.append(f'world "{world.name}", node "{node.name}": {told}')
+def no_aovs(materials: list) -> AovExport:
+    """Nothing is asked for, as in a window."""
+    return AovExport((), (frozenset(),) * len(materials))
 
 
 def _name(material) -> str:
     return "" if material is None else material.name
 
 
-def _aov(own, found: list[_Written | None]) -> Aov:
+def _aov(own, found: list[_Written | None], world: _Written | None) -> Aov:
     channels, socket = (4, 0) if own.type == "COLOR" else (1, 1)
     writes = [one is not None and own.name in one.values for one in found]
     both = list(zip(found, writes, strict=True))
@@ -75,7 +74,15 @@ def _aov(own, found: list[_Written | None]) -> Aov:
         channels,
         tuple(one.program if write else None for one, write in both),
         tuple(one.values[own.name][socket] if write else None for one, write in both),
+        _of_world(world, own.name, socket),
     )
+
+
+def _of_world(world: _Written | None, name: str, socket: int) -> WorldProgram | None:
+    if world is None or name not in world.values:
+        return None
+    value = world.values[name][socket]
+    return WorldProgram(program=world.program, value=value, strength=np.ones(3, np.float32))
 
 
 def _written(material, names: set[str], reader: NodeReader, images) -> _Written | None:
@@ -83,8 +90,24 @@ def _written(material, names: set[str], reader: NodeReader, images) -> _Written 
     uses_nodes = material is not None and (bpy.app.version >= (5, 0) or material.use_nodes)
     if not uses_nodes or material.node_tree is None:
         return None
-    builder, values = ProgramBuilder(reader, images), {}
-    for node, groups in _nodes_of(material.node_tree):
+    return _written_by(material.node_tree, ProgramBuilder(reader, images), names)
+
+
+def _written_by_world(depsgraph, names, warnings, images, cache) -> _Written | None:
+    """The same of the world, as the camera sees it."""
+    world = world_of(depsgraph)
+    if world is None or world.node_tree is None:
+        return None
+    if bpy.app.version < (5, 0) and not world.use_nodes:
+        return None
+    reader = WorldReader(world, warnings)
+    builder = WorldBuilder(reader, images, depsgraph, CAMERA_RAYS, cache)
+    return _written_by(world.node_tree, builder, names)
+
+
+def _written_by(tree, builder: ProgramBuilder, names: set[str]) -> _Written | None:
+    values = {}
+    for node, groups in _nodes_of(tree):
         if node.aov_name in names and node.aov_name not in values:
             own = builder.color(node, "Color", groups), builder.number(node, "Value", groups)
             values[node.aov_name] = own

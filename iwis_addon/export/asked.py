@@ -6,7 +6,6 @@ import numpy as np
 
 from ...core.asked_passes import AskedPasses, Matte, Mist, UvMaps, matte_ids
 from ..passes import matte_layer, wanted_mattes
-from .aovs import tell_of_world
 from .light_groups import read_groups
 from .mesh import MeshExport
 from .surface_data import surface_data
@@ -21,11 +20,8 @@ _UV = "uv:"  # the active map
 _NO_MATERIAL = "default_surface"
 
 
-def read_asked(depsgraph, geometry: MeshExport, warnings: list[str]) -> AskedPasses:
-    """Of the graph's view layer; the names of mattes are those of Blender's data.
-
-    warnings: gets a line for each node of the world that is asked for what it does not give
-    """
+def read_asked(depsgraph, geometry: MeshExport) -> AskedPasses:
+    """Of the graph's view layer; the names of mattes are those of Blender's data."""
     layer, world = depsgraph.view_layer_eval, world_of(depsgraph)
     occlusion, mist, uv = 0.0, None, None
     if layer.use_pass_ambient_occlusion:
@@ -34,7 +30,6 @@ def read_asked(depsgraph, geometry: MeshExport, warnings: list[str]) -> AskedPas
         mist = _MIST if world is None else _mist_of(world.mist_settings)
     if layer.use_pass_uv:
         uv = uv_maps(geometry)
-    tell_of_world(depsgraph, warnings)
     levels = layer.pass_cryptomatte_depth
     mattes = tuple(_matte(kind, levels, geometry) for kind in wanted_mattes(layer))
     every = [look.asked for look in geometry.inventory.looks]

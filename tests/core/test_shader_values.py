@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.program import Aov, Op, Program, Ref
+from iwis.core.nodes.world import DIRECTION
+from iwis.core.program import Aov, Op, Program, Ref, WorldProgram
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_RAYS
 from support.programs import with_programs
 from support.scenes import (
@@ -85,3 +86,40 @@ def test_asking_changes_no_pixel(settings):
     assert asked.keys() - plain.keys() == {"aov:told"}
     for name, pixels in plain.items():
         np.testing.assert_array_equal(pixels, asked[name])
+
+
+def of_the_world(channels=4):
+    """What the world alone writes: directions, or their z."""
+    ops = (
+        Op(DIRECTION, {}, {}),
+        Op("ShaderNodeSeparateXYZ", {"Vector": Ref(0, "")}, {}),
+    )
+    value = Ref(0, "") if channels == 4 else Ref(1, "Z")
+    world = WorldProgram(
+        program=Program(ops=ops, closures=()), value=value, strength=np.zeros(3, np.float32)
+    )
+    return Aov("aov:told", channels, (None, None), (None, None), world)
+
+
+@pytest.mark.parametrize("settings", [CENTER, FILTERED], ids=["center", "filtered"])
+def test_a_world_writes_where_nothing_else_is(settings):
+    """Directions, straight down, and 1; on the floors nothing, at their edges a share."""
+    layers, _ = make_picture(told_scene(of_the_world()), **settings)
+    told, free = layers["aov:told"], layers["depth"][..., 0] > 1e9
+    whole = told[..., 3] == 1.0
+    assert whole.any() and not told[9, 4].any()
+    np.testing.assert_allclose(told[whole], np.tile([0.0, 0.0, -1.0, 1.0], (whole.sum(), 1)))
+    if settings is CENTER:
+        np.testing.assert_array_equal(whole, free)
+    numbers, _ = make_picture(told_scene(of_the_world(1)), **settings)
+    np.testing.assert_allclose(numbers["aov:told"][..., 0], -told[..., 3], atol=1e-6)
+
+
+@pytest.mark.parametrize("settings", [CENTER, FILTERED], ids=["center", "filtered"])
+@pytest.mark.parametrize("hidden", ["film", "camera"])
+def test_a_world_that_is_not_seen_writes_nothing(settings, hidden):
+    """With a transparent film, or hidden from the camera."""
+    scene = told_scene(of_the_world(), transparent_film=hidden == "film")
+    world = dataclasses.replace(scene.environment, visible_to_camera=hidden != "camera")
+    layers, _ = make_picture(dataclasses.replace(scene, environment=world), **settings)
+    assert not layers["aov:told"].any()
