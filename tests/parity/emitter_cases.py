@@ -155,12 +155,16 @@ _emitter("Emissive image on the back alone", _plane, glow=_one_sided)
 _emitter("Emissive, not to the camera", _plane, glow=_not_for_the_camera)
 
 
-def _caught(name, add, transparent):
-    """The floor is a shadow catcher; add(scene): what throws shadows on it."""
+def _caught(name, add, transparent, make=None):
+    """The floor is a shadow catcher; add(scene): what throws shadows on it; make(tree): its shader,
+    None: that of all"""
 
     def build(scene, tree):
         add(scene)
-        scene.objects["Plane"].is_shadow_catcher = True
+        floor = scene.objects["Plane"]
+        floor.is_shadow_catcher = True
+        if make is not None:
+            floor.data.materials[0] = material_of("Catcher", make)
         scene.render.film_transparent = transparent
         tree.surface(matte(tree))
 
@@ -185,3 +189,22 @@ _caught("Shadow catcher, world alone", lambda scene: None, False)
 _caught("Shadow catcher, point", _bright_ball, False)
 _caught("Shadow catcher, sun, transparent film", _bright_sun, True)
 _caught("Shadow catcher, emissive plane, transparent film", _bright_plane, True)
+
+
+def _translucent(tree):
+    return tree.made("ShaderNodeBsdfTranslucent", 0, {"Color": (0.7, 0.6, 0.5)})
+
+
+def _both_sides(tree):
+    inputs = {0: 0.5, 1: matte(tree), 2: _translucent(tree)}
+    return tree.made("ShaderNodeMixShader", 0, inputs)
+
+
+def _from_below(scene):
+    add_lamp(scene, "POINT", (0.5, -1.0, -2.5), (0, 0, 0), **BALL | {"energy": 900.0})
+
+
+_caught("Shadow catcher, translucent, world alone", lambda scene: None, False, _translucent)
+_caught("Shadow catcher, translucent, point behind", _from_below, True, _translucent)
+_caught("Shadow catcher, half translucent, point behind", _from_below, False, _both_sides)
+_caught("Shadow catcher, half translucent, sun", _bright_sun, True, _both_sides)
