@@ -164,9 +164,7 @@ def points_through(
         colors = color[goes] / passing[goes, None]
         tints[points.pixel] *= colors
         if passed is not None and len(points.pixel):
-            away = points.position - origins[points.pixel]
-            far = np.sqrt(np.einsum("ij,ij->i", away, away))
-            passed.append(PassedPanes(points.pixel, far, colors))
+            passed.append(_passed(points, origins, colors))
         if numbers is not None:
             numbers[points.pixel] = number[goes] / passing[goes]
         if hits is not None:
@@ -182,6 +180,11 @@ def points_through(
     found = ShadingPoints(*map(np.concatenate, zip(*ended, strict=True)))
     found = found.at(np.argsort(found.pixel, kind="stable"))
     return found._replace(through=tints[found.pixel])
+
+
+def _passed(points: ShadingPoints, origins, colors) -> PassedPanes:
+    away = points.position - origins[points.pixel]
+    return PassedPanes(points.pixel, np.sqrt(np.einsum("ij,ij->i", away, away)), colors)
 
 
 def opacity_of(tints: np.ndarray) -> np.ndarray:
