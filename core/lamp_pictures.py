@@ -4,7 +4,8 @@ The map is Cycles': of an area from its lower left corner, seen from its front; 
 across its axis, as far as its cone goes; of points, and of spots too wide for a plane, the sphere
 around them. A lamp with a radius has its picture on its surface; where it has none, or always
 faces whoever looks at it, a direction sees the place that it leaves from. What tells by direction,
-as a luminaire's table, is on the sphere of directions, or a spot's plane, whatever the lamp.
+as a luminaire's table or a spot's UV map, is on the sphere of directions, or a spot's plane,
+whatever the lamp.
 """
 
 from __future__ import annotations
@@ -60,9 +61,9 @@ def _place(lamps, i, px, py, pz, dx, dy, dz, far):
         return u, 0.5 + _dot(lamps.up, i, x, y, z) / np.float64(size[i, 1]), False
     if by_direction or kind != SPHERE or size[i, 0] == _ZERO:
         x, y, z = -dx, -dy, -dz
-    if lamps.cone[i, 0] > PLANE_EDGE:
-        u, v = _on_plane(lamps, i, x, y, z)
-        return u, v, False
+        if lamps.cone[i, 0] > PLANE_EDGE:
+            u, v = _on_plane(lamps, i, x, y, z)
+            return u, v, False
     right, up = _dot(lamps.right, i, x, y, z), _dot(lamps.up, i, x, y, z)
     u, v = _on_sphere(right, up, -_dot(lamps.forward, i, x, y, z))
     return u, v, True

@@ -27,21 +27,43 @@ _WIDEST = math.radians(89.99)  # half a spot's angle: the tangent of a right one
 _LUMINANCE = np.float32([0.2126, 0.7152, 0.0722])
 
 
-def places_of(light, kind: int, matrix: np.ndarray) -> LampPlaces:
+def places_of(light, kind: int, matrix: np.ndarray, own: LampLight) -> LampPlaces:
     """Where a light leaves.
 
-    kind: of core.lamps; matrix: float64 (4, 4), to the world
+    kind: of core.lamps; matrix: float64 (4, 4), to the world; own: what the light's nodes come to
     """
+    ops = ops_of(own)
+    by_direction = any(op.kind == IES for op in ops)
     if light.type == "AREA":
         height = light.size if light.shape in ("SQUARE", "DISK") else light.size_y
-        return LampPlaces(matrix, width=light.size, height=height, flat=True)
+        own_map = LampPlaces(matrix, width=light.size, height=height, flat=True)
+        return own_map._replace(by_direction=True, flat=False) if by_direction else own_map
     if light.type == "SUN":
         return LampPlaces(matrix, radius=1.0)  # any places that differ
     radius = light.shadow_soft_size if kind == SPHERE else 0.0
     if light.type == "POINT":
-        return LampPlaces(matrix, radius=radius)
+        return LampPlaces(matrix, radius=radius, by_direction=by_direction)
     half = min(0.5 * light.spot_size, _WIDEST)
-    return LampPlaces(matrix, radius=radius, slope=math.tan(half), flat=math.cos(half) > PLANE_EDGE)
+    # A spot's UV map is by the direction to what it lights, wherever on its ball a ray begins.
+    by_direction = by_direction or any(map(asks_for_uv, ops))
+    flat = math.cos(half) > PLANE_EDGE and (by_direction or radius == 0.0)
+    slope = math.tan(half)
+    return LampPlaces(matrix, radius=radius, slope=slope, flat=flat, by_direction=by_direction)
+
+
+def asks_for_uv(op: Op) -> bool:
+    """Whether an operation looks at the UV map of a lamp."""
+    if op.kind == "ShaderNodeTexImage":
+        return "Vector" not in op.inputs
+    outputs = op.settings.get("outputs", ())
+    return op.kind == "ShaderNodeUVMap" or "UV" in outputs or "Parametric" in outputs
+
+
+def asks_for_place(op: Op) -> bool:
+    """Whether an operation looks at where on a lamp light leaves, beside its UV map."""
+    if op.kind in ("ShaderNodeTexCoord", "ShaderNodeNewGeometry"):
+        return bool(op.settings["outputs"] - {"UV", "Parametric", "Incoming"})
+    return op.kind.startswith("ShaderNodeTex") and not (asks_for_uv(op) or "Vector" in op.inputs)
 
 
 def ops_of(light: LampLight) -> list[Op]:
@@ -87,9 +109,6 @@ def _shown(number, row, camera, cache, warnings) -> tuple[dict, np.ndarray | Non
     """A row of make_lamps, of whose picture the first texel is missing, and its texels, or None."""
     light, places, named = row.pop("light"), row.pop("places"), row.pop("named")
     ops = ops_of(light)
-    if any(op.kind == IES for op in ops):
-        flat = places.flat and places.slope > 0.0
-        places = places._replace(by_direction=True, flat=flat)
     seen = camera if any(map(_asks_for_view, ops)) else None
     distance = 1.0
     if asks_for_distance(ops):

@@ -28,7 +28,7 @@ from ...core.lamps import (
 from ...core.nodes.falloff import INFINITELY_FAR, asks_for_distance
 from ...core.nodes.typical import mean_value
 from .lamp_nodes import LampLight, LampReader, read_light
-from .lamp_pictures import color_of, ops_of, places_of
+from .lamp_pictures import asks_for_place, color_of, ops_of, places_of
 from .program_images import ImageStore
 from .surface_parts import is_constant
 
@@ -80,7 +80,11 @@ def read_lamp(obj, matrix_world, warnings: list[str], images=None) -> dict | Non
 
 def _varying(light, row, matrix, own: LampLight, nodes) -> dict:
     """What a row has of a light whose nodes vary over it."""
-    places = places_of(light, row["kind"], matrix)
+    places = places_of(light, row["kind"], matrix, own)
+    on_ball = places.by_direction and row["kind"] == SPHERE and row["size"][0] > 0.0
+    if light.type == "SPOT" and on_ball and any(map(asks_for_place, ops_of(own))):
+        told = "its UV map is by direction: other coordinates are those of its middle"
+        nodes.warn(None, told)
     varying = {"light": own, "places": places, "named": (nodes.object_name, light.name)}
     if row["kind"] not in (SUN, BEAM, ROUND_BEAM):
         return varying

@@ -48,7 +48,8 @@ _STEPS = set(
     "LESS_THAN GREATER_THAN COMPARE SIGN ROUND FLOOR CEIL TRUNC FRACT FRACTION MODULO "
     "FLOORED_MODULO WRAP SNAP DIVIDE TANGENT".split()
 )
-# Pairs of neighbours that are looked at, and a difference of their light that nobody sees.
+# Pairs of neighbours that are looked at, of the brightest and of all; a difference of their light
+# that nobody sees.
 _PAIRS, _BEND = 2048, 0.002
 _WAVE = 4.0  # texels: a noise of longer waves has no edges
 _SAME = np.eye(3, 4, dtype=np.float32)
@@ -137,16 +138,33 @@ def _is_of_texels(ops: dict[int, Op], images: list[EnvironmentMap]) -> bool:
 
 def _bends(tree: WorldTree, texels: dict[int, np.ndarray]) -> bool:
     """Whether the colour between two texels is another one than the mean of both of theirs."""
-    rng = np.random.default_rng(0)
-    height, width, _ = next(iter(texels.values())).shape
-    row, column = rng.integers(height, size=_PAIRS), rng.integers(width, size=_PAIRS)
+    row, column, weight = _pairs(texels)
+    width = next(iter(texels.values())).shape[1]
     pairs = {k: (t[row, column], t[row, (column + 1) % width]) for k, t in texels.items()}
     found = [
         evaluate_texels(tree.program, tree.value, {k: of(*p)[None] for k, p in pairs.items()})
         for of in (lambda a, b: a, lambda a, b: b, lambda a, b: (a + b) / 2)
     ]
     one, other, between = map(np.nan_to_num, found)
-    return np.abs(between - (one + other) / 2).mean() > _BEND * np.abs(between).mean()
+    bent = np.abs(between - (one + other) / 2).mean((0, 2), dtype=np.float64)
+    return bent @ weight > _BEND * (np.abs(between).mean((0, 2), dtype=np.float64) @ weight)
+
+
+def _pairs(texels: dict[int, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Row and column of texels that are looked at with the next one in the row, and how many pairs
+    each of them stands for: the brightest for themselves, as a sun may be most of the light, and
+    some of the others for the rest."""
+    rng = np.random.default_rng(0)
+    light = sum(t.sum(-1) for t in texels.values())
+    _, width = light.shape
+    light = np.nan_to_num(np.maximum(light, np.roll(light, -1, 1))).ravel()
+    n = min(_PAIRS, len(light))
+    bright = np.argpartition(light, len(light) - n)[-n:]
+    others = rng.integers(len(light), size=_PAIRS)
+    others = others[~np.isin(others, bright)]
+    weight = np.ones(n + len(others))
+    weight[n:] = (len(light) - n) / max(len(others), 1)
+    return *np.divmod(np.concatenate([bright, others]), width), weight
 
 
 def _place(image: EnvironmentMap):

@@ -21,7 +21,7 @@ from iwis.core.lamps import (
 )
 from iwis.iwis_addon.export import ExportCache, export_scene, lamp_pictures
 from support.above import look_from_above
-from support.exported_lamps import exported
+from support.exported_lamps import dress, exported, nodes_of
 
 
 @pytest.fixture
@@ -113,14 +113,6 @@ def test_instances_of_a_lamp_are_lamps(scene):
     assert places[-2:] == [(11.0, 2.0, 3.0), (21.0, 2.0, 3.0)]
 
 
-def nodes_of(obj):
-    """The light's tree, with its Emission."""
-    if bpy.app.version < (5, 0):
-        obj.data.use_nodes = True
-    tree = obj.data.node_tree
-    return tree, tree.nodes["Emission"]
-
-
 def test_nodes_of_a_lamp_multiply_its_strength(scene):
     """Color and Strength of its Emission, by constants and by RGB, Value and Light Falloff."""
     tree, emission = nodes_of(add_light("SUN", angle=0.0, energy=2.0))
@@ -133,21 +125,13 @@ def test_nodes_of_a_lamp_multiply_its_strength(scene):
     assert not any("Lamp" in line for line in warnings)
 
 
-def _dress(obj, kind="ShaderNodeTexNoise", output="Color"):
-    """Have a light's colour come from a new node."""
-    tree, emission = nodes_of(obj)
-    node = tree.nodes.new(kind)
-    tree.links.new(node.outputs[output], emission.inputs["Color"])
-    return node
-
-
 @pytest.mark.parametrize("kind", ["AREA", "POINT", "SPOT"])
 def test_nodes_that_vary_are_a_picture(scene, kind):
     """Its mean luminance is 1 and a part of the radiance; a lamp without nodes has none."""
     obj = add_light(kind, energy=5.0)
     plain, _ = exported()
     assert not plain["picture"].any()
-    _dress(obj, "ShaderNodeTexCoord", "UV")
+    dress(obj, "ShaderNodeTexCoord", "UV")
     lines = []
     lamps = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines).lamps
     first, width, height, _ = lamps.picture[0]
@@ -166,7 +150,7 @@ def test_copies_of_a_lamp_have_a_picture_each(scene):
     for x in (10.0, 20.0):
         obj = add_light("AREA", f"Lamp {x}", energy=5.0)
         obj.location.x = x
-        _dress(obj, "ShaderNodeNewGeometry", "Position")
+        dress(obj, "ShaderNodeNewGeometry", "Position")
     lamps = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=[]).lamps
     assert lamps.picture[1, 0] == lamps.picture[0, 1] * lamps.picture[0, 2]
     red = [part.mean() for part in np.split(lamps.texels[:, 0], 2)] * lamps.radiance[:, 0]
@@ -183,7 +167,7 @@ def test_a_picture_is_made_anew_where_its_lamp_has_changed(scene, monkeypatch):
 
     monkeypatch.setattr(lamp_pictures, "lamp_picture", counted)
     obj, cache = add_light("AREA", energy=5.0), ExportCache()
-    _dress(obj, "ShaderNodeTexCoord", "UV")
+    dress(obj, "ShaderNodeTexCoord", "UV")
 
     def count():
         made.clear()
@@ -197,7 +181,7 @@ def test_a_picture_is_made_anew_where_its_lamp_has_changed(scene, monkeypatch):
     assert count()[0] == 0
     obj.location.x += 1.0
     assert count()[0] == 1
-    _dress(obj, "ShaderNodeCameraData", "View Vector")
+    dress(obj, "ShaderNodeCameraData", "View Vector")
     assert count()[0] == 1
     bpy.context.scene.camera.location.x += 1.0
     assert count()[0] == 1
@@ -206,7 +190,7 @@ def test_a_picture_is_made_anew_where_its_lamp_has_changed(scene, monkeypatch):
 def test_a_black_picture_is_no_lamp(scene):
     """As one of no strength."""
     obj = add_light("AREA", energy=5.0)
-    _dress(obj)
+    dress(obj)
     _, emission = nodes_of(obj)
     emission.inputs["Strength"].default_value = 0.0
     row, warnings = exported()
@@ -215,7 +199,7 @@ def test_a_black_picture_is_no_lamp(scene):
 
 def test_an_image_that_is_missing_is_told(scene):
     """Pink, as in Cycles."""
-    node = _dress(add_light("AREA", energy=5.0), "ShaderNodeTexImage")
+    node = dress(add_light("AREA", energy=5.0), "ShaderNodeTexImage")
     node.image = bpy.data.images.new("Gone", 4, 4)
     node.image.source, node.image.filepath = "FILE", "//not-there.png"
     lines = []
@@ -248,7 +232,7 @@ def test_what_a_lamp_cannot_do_is_told(scene):
 
 def test_a_sun_with_nodes_shines_with_their_mean(scene):
     """And says so."""
-    _dress(add_light("SUN", energy=5.0))
+    dress(add_light("SUN", energy=5.0))
     row, warnings = exported()
     assert not row["picture"].any() and 1.0 < row["radiance"].max() < 5e6
     assert any("mean" in line and '"Lamp data"' in line for line in warnings)

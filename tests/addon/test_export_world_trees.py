@@ -161,6 +161,21 @@ def test_few_texels_that_nodes_bend_become_a_map(tree, rng, gamma, bends, rows, 
     assert len(world.light.radiance) == (64 if is_map else rows)
 
 
+def test_one_sun_that_nodes_bend_is_not_overlooked(tree):
+    """One texel of 32 768 that most of the light comes from; without it nothing bends."""
+    texels = np.full((128, 256, 3), 0.05, np.float32)
+    image, bent = new_image(texels), add(tree, "Gamma")
+    textured_world(tree, image)
+    link(tree, tree.nodes["Environment Texture"], bent)
+    link(tree, bent, tree.nodes["Background"])
+    bent.inputs["Gamma"].default_value = 2.2
+    assert read(least_height=256)[0].backdrop is None
+    texels[90, 100] = 100.0
+    image.pixels.foreach_set(np.dstack([texels, np.ones((128, 256))]).astype(np.float32).ravel())
+    image.update()
+    assert read(least_height=256)[0].backdrop is not None
+
+
 def test_camera_rays_see_another_picture_than_the_light(tree, texels):
     """The light keeps the image's texels; a colour is what the camera sees; nothing is told."""
     _, background = textured_world(tree, new_image(texels))

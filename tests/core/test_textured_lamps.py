@@ -138,6 +138,21 @@ def test_a_spot_throws_its_picture(half_angle):
     np.testing.assert_array_equal(green, inside & (x > 0.5)[:, None])
 
 
+@pytest.mark.parametrize("by_direction", [True, False])
+def test_a_ball_in_a_spot_shows_by_place_or_by_direction(by_direction):
+    """All its rays to a point go to one half of the plane; of its ball both halves are seen."""
+    row = spotlight(0.4, size=(0.1, 0.0), position=(0.3, 0.0, 2.0), forward=(0.0, 0.0, -1.0))
+    row |= {"right": (1.0, 0.0, 0.0), "up": (0.0, 1.0, 0.0)}
+    lamps = with_picture([row], halves(64, 64))
+    lamps.picture[0, 3] = by_direction
+    share = sampled([], WHITE, lamps=lamps).mean(0)[:3] / sampled([row], WHITE).mean(0)[0]
+    # Of a half of the ball, its edge turned away by t, (1 - sin t) / 2 of the disc is seen.
+    half = 0.5 * (1.0 - np.sin(np.arctan(0.15)))
+    expected = (1.0, 0.0, 0.0) if by_direction else (half, 0.0, 1.0 - half)
+    # 16 000 samples of a half: 0.004; the texels at the edge are mixed, on both sides alike.
+    np.testing.assert_allclose(share, expected, atol=0.02)
+
+
 def test_a_seen_panel_shows_its_picture():
     """Upright to who looks at it along its axis from its front."""
     up = np.diag([1.0, -1.0, -1.0])  # shines upwards; its up is -y

@@ -94,6 +94,7 @@ _AREA = {"energy": 200.0, "shape": "RECTANGLE", "size": 2.0, "size_y": 1.2}
 _DISK = {"energy": 200.0, "shape": "DISK", "size": 1.6}
 _SPOT = {"energy": 600.0, "spot_size": math.radians(40.0), "shadow_soft_size": 0.0}
 _BALL = {"energy": 300.0, "shadow_soft_size": 0.4, "use_soft_falloff": False}
+_LARGE = _SPOT | {"shadow_soft_size": 0.3, "use_soft_falloff": False}
 _SOFT = {"energy": 300.0, "shadow_soft_size": 0.4, "use_soft_falloff": True}
 
 _case("softbox", _rim, "AREA", ABOVE, **_AREA)
@@ -107,6 +108,10 @@ _case("area, position", _place("ShaderNodeNewGeometry", "Position"), "AREA", SID
 _case("spot, checker", _CHECKER, "SPOT", ABOVE, **_SPOT)
 _case("spot, image, scaled", image_of, "SPOT", ABOVE, scale=(1.5, 0.8, 1.0), **_SPOT)
 _case("spot, wide", _CHECKER, "SPOT", ABOVE, **_SPOT | {"spot_size": math.radians(170.0)})
+_case("large spot, checker", _CHECKER, "SPOT", ABOVE, **_LARGE)
+_case("large spot, image, scaled", image_of, "SPOT", ABOVE, scale=(1.5, 0.8, 1.0), **_LARGE)
+_case("large spot, wide", _CHECKER, "SPOT", ABOVE, **_LARGE | {"spot_size": math.radians(170.0)})
+_case("large spot, normal", _place("ShaderNodeTexCoord", "Normal"), "SPOT", ABOVE, **_LARGE)
 _case("ball, normal", _place("ShaderNodeTexCoord", "Normal"), "POINT", SIDE, **_BALL)
 _case("point, image", image_of, "POINT", ABOVE, **_BALL | {"shadow_soft_size": 0.0})
 _case("ball, image", image_of, "POINT", SIDE, shiny(0.1, Metallic=1.0), **_BALL)

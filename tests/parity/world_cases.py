@@ -232,6 +232,33 @@ for _projection in ("EQUIRECTANGULAR", "MIRROR_BALL"):
     )
 
 
+def _lone_sun(over):
+    """A picture with one bright texel, which most of the light comes from, under a node."""
+
+    def make(t):
+        pixels = np.full((128, 256, 4), 0.05, np.float32)
+        pixels[96, 102, :3], pixels[..., 3] = (100.0, 90.0, 80.0), 1.0
+        image = bpy.data.images.new("S", 256, 128, float_buffer=True)
+        image.pixels.foreach_set(pixels.ravel())
+        image.pack()
+        return _background(t, over(t, t.made("ShaderNodeTexEnvironment", 0, image=image)))
+
+    return make
+
+
+_ABATED = {1: (30.0, 30.0, 30.0)}
+world(
+    "World, one sun under a gamma",
+    _lone_sun(lambda t, c: t.made("ShaderNodeGamma", 0, {"Color": c, "Gamma": 1.5})),
+)
+world(
+    "World, one sun, cut off",
+    _lone_sun(
+        lambda t, c: t.made("ShaderNodeVectorMath", 0, {0: c} | _ABATED, operation="MINIMUM")
+    ),
+)
+
+
 def _sky(turned=False, seen=True, **settings):
     """A Sky Texture of a type that this Blender has: 4.5 has one in place of two.
 

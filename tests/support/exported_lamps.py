@@ -1,4 +1,4 @@
-"""The lamp that the open file is exported with."""
+"""The lamp that the open file is exported with, and its nodes."""
 
 import bpy
 
@@ -15,3 +15,19 @@ def exported():
     shared = "faces", "texels", "falloffs"
     own = {n: value for n, value in scene.lamps._asdict().items() if n not in shared}
     return {name: value[0] for name, value in own.items()}, lines
+
+
+def nodes_of(obj):
+    """The light's tree, with its Emission."""
+    if bpy.app.version < (5, 0):
+        obj.data.use_nodes = True
+    tree = obj.data.node_tree
+    return tree, tree.nodes["Emission"]
+
+
+def dress(obj, kind="ShaderNodeTexNoise", output="Color"):
+    """Have a light's colour come from a new node."""
+    tree, emission = nodes_of(obj)
+    node = tree.nodes.new(kind)
+    tree.links.new(node.outputs[output], emission.inputs["Color"])
+    return node
