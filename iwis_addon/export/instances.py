@@ -58,7 +58,7 @@ class Instance(NamedTuple):
 class Look(NamedTuple):
     """What an instance's materials may ask of its object.
 
-    color: rgba; random: 0 ... 1, another one for each instance; asked: whose properties
+    color: rgba, of what made it; random: 0 ... 1, other for each instance; asked: whose properties
     index: of object_properties.outermost_index, where a material asks, else -1
     """
 
@@ -194,7 +194,7 @@ class _Collector:
             obj.pass_index,
             ROUND if is_round else obj.shadow_terminator_geometry_offset,
             flags,
-            tuple(obj.color),
+            tuple((asked.instancer or obj).color),
             asked,
         )
 

@@ -3,6 +3,7 @@
 import bpy
 import pytest
 
+from iwis.iwis_addon.export.instances import collect_instances
 from iwis.iwis_addon.export.object_properties import Asked, blocks_of, rgba_of
 
 NOTHING = (0.0, 0.0, 0.0, 0.0)
@@ -53,3 +54,23 @@ def test_instancer_comes_first_and_layers_are_asked_in_order(cube):
     assert rgba_of(blocks_of("layer", Asked(cube, None), layer), "number")[0] == 2.0
     layer[0]["number"] = 3.0
     assert rgba_of(blocks_of("layer", Asked(cube, None), layer), "number")[0] == 3.0
+
+
+def test_an_instance_has_the_color_of_what_made_it(cube):
+    """Of several, as Blender's iterator tells it for the first one alone; nested: the outermost."""
+    scene, boxes, inner = bpy.context.scene, *map(bpy.data.collections.new, ("Boxes", "Inner"))
+    cube.color = (0.1, 0.9, 0.2, 1.0)
+    boxes.objects.link(cube)
+    colors = [(0.5, 0.25, 0.125 * k, 1.0) for k in range(5)]
+    for k, color in enumerate(colors):
+        empty = bpy.data.objects.new("Instancer", None)
+        empty.instance_type, empty.instance_collection, empty.color = "COLLECTION", boxes, color
+        (scene.collection if k else inner).objects.link(empty)
+    nested = bpy.data.objects.new("Nested", None)
+    nested.instance_type, nested.instance_collection = "COLLECTION", inner
+    nested.color = (0.0, 0.0, 1.0, 1.0)
+    scene.collection.objects.link(nested)
+    looks = collect_instances(bpy.context.evaluated_depsgraph_get(), []).looks
+    expected = [tuple(cube.color), *colors[1:], (0.0, 0.0, 1.0, 1.0)]
+    found = sorted(look.color for look in looks)
+    assert found == [pytest.approx(color) for color in sorted(expected)]

@@ -81,6 +81,35 @@ for _name in ("made number", "made vector", "number", "nothing"):
         )
 
 
+def _colored_instances(kind):
+    """Cubes made by three empties of a collection, or by the sphere's vertices or particles."""
+
+    def build(scene, tree):
+        sphere, cube = scene.objects["Sphere"], scene.objects["Cube"]
+        sphere.color = (0.9, 0.2, 0.1, 1.0)
+        if kind == "collection":
+            boxes = bpy.data.collections.new("Boxes")
+            boxes.objects.link(cube)
+            for k in range(3):
+                empty = bpy.data.objects.new("Instancer", None)
+                empty.instance_type, empty.instance_collection = "COLLECTION", boxes
+                empty.location, empty.color = (-1.8 + 0.6 * k, 0, 0.5), (0.3 * k, 0.4, 0.7, 1.0)
+                scene.collection.objects.link(empty)
+        elif kind == "vertices":
+            cube.parent, cube.scale, sphere.instance_type = sphere, (0.06,) * 3, "VERTS"
+        else:
+            settings = sphere.modifiers.new("P", "PARTICLE_SYSTEM").particle_system.settings
+            settings.type, settings.count, settings.hair_length = "HAIR", 60, 0.2
+            settings.render_type, settings.instance_object = "OBJECT", cube
+        tree.glow(tree.made("ShaderNodeObjectInfo", "Color"))
+
+    return build
+
+
+for _kind in ("collection", "vertices", "particles"):
+    CASES.append(Case(f"Object Info, Color of instances, {_kind}", _colored_instances(_kind)))
+
+
 def _beside(tree, output):
     """An output that is the same everywhere, added to something that is not."""
     inputs = {0: tree.coordinates(), 1: output}
