@@ -91,7 +91,7 @@ def show_caught(
     share = arriving((sums.diffuse + sums.glossy)[caught], sums.unoccluded[caught])
     behind = world.radiance(-points.wo[caught]) * points.through[caught] * scene.exposure
     behind = behind * np.float32(scene.environment.visible_to_camera)
-    opaque = opacity_of(points.through[caught])
+    opaque = np.maximum(opacity_of(points.through[caught]), 0.0)
     _write(scene, layers, place[caught], share, behind, np.ones((len(caught), 1)), opaque)
 
 

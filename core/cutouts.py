@@ -18,7 +18,7 @@ from .poses import points_at_rest, posed_points
 from .program import Program
 from .rows import any_in_row, row_means
 from .scene import BLACK, Scene
-from .shading import ShadingPoints
+from .shading import ShadingPoints, points_within
 
 # Surfaces that a ray goes through; the next one is opaque. Cycles' own limit is 8, and black.
 MOST_LAYERS = 64
@@ -52,7 +52,7 @@ def opacity_gain(program: Program, evaluation: Evaluation, n: int) -> np.ndarray
         return np.float32(1.0)
     passing = np.zeros(n, np.float32)
     if program.transparent is not None:
-        passing = passing_share(program, evaluation)
+        passing = going_share(program, evaluation)
     if program.holdout is not None:
         passing = passing + row_means(evaluation.vector(program.holdout))
     return np.where(passing < _ALL, 1.0 / (1.0 - np.minimum(passing, _ALL)), 1.0)[:, None]
@@ -69,9 +69,10 @@ def passing_shares(scene: Scene, points: ShadingPoints, shadow: bool = False) ->
 def _passing_colors(
     scene: Scene, points: ShadingPoints, shadow: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """float32 (n, 3): what goes on at each point; bool (n,): whether that is on a pane."""
+    """Of each point float32 (n, 3): what goes on; (n,): the probability that a camera's ray does,
+    which is 1 on a pane."""
     colors = np.zeros((len(points.pixel), 3), np.float32)
-    panes = np.zeros(len(colors), np.bool_)
+    going = np.zeros(len(colors), np.float32)
     rows = scene.mesh.material_index[points.triangle]
     for row in np.unique(rows):
         program = scene.shaders.programs[row]
@@ -79,9 +80,11 @@ def _passing_colors(
             which = np.flatnonzero(rows == row)
             at_rest = points_at_rest(scene.pose, scene.mesh, points.at(which))
             context = ShadeContext.of_points(scene, at_rest, shadow)
-            colors[which] = passing_color(program, Evaluation(program, context))
-            panes[which] = _is_pane(program)
-    return colors, panes
+            evaluation = Evaluation(program, context)
+            color = colors[which] = passing_color(program, evaluation)
+            share = any_in_row(color) if _is_pane(program) else going_share(program, evaluation)
+            going[which] = share
+    return colors, going
 
 
 def _is_pane(program: Program) -> bool:
@@ -117,15 +120,23 @@ def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
         evaluation = Evaluation(program, ShadeContext.of_points(scene, at_rest))
         share = row_means(evaluation.vector(program.holdout))
         if program.transparent is not None:
-            share = share / np.maximum(1.0 - passing_share(program, evaluation), 1e-6)
+            share = share / np.maximum(1.0 - going_share(program, evaluation), 1e-6)
         x, y = (np.ascontiguousarray(some.position[:, axis]) for axis in (0, 1))
         out[which] = drawn_numbers(x, y, some.wo) < share
     return out
 
 
-def passing_share(program: Program, evaluation: Evaluation) -> np.ndarray:
-    """float32 (n,): the probability that a ray goes on, at the points of an evaluation."""
-    return share_of(passing_color(program, evaluation))
+def going_share(program: Program, evaluation: Evaluation) -> np.ndarray:
+    """float32 (n,): the probability that a camera's ray goes on, at the points of an evaluation.
+
+    Where what passes and what shows are more than 1 together, a share of both: as the one is
+    divided by this, and the other by the rest, either has all of its weight.
+    """
+    passing = share_of(passing_color(program, evaluation))
+    if program.shown is None:
+        return passing
+    shown = np.maximum(row_means(evaluation.vector(program.shown)), 0.0)
+    return passing / np.maximum(passing + shown, np.float32(1.0))
 
 
 def points_through(
@@ -133,6 +144,7 @@ def points_through(
     accel,
     origins: np.ndarray,
     directions: np.ndarray,
+    reach: np.ndarray,
     dither: np.ndarray | None,
     tints: np.ndarray | None = None,
     hits: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
@@ -140,6 +152,7 @@ def points_through(
 ) -> ShadingPoints:
     """The points where camera rays end; ``pixel`` is the row of the ray, ascending.
 
+    reach: float32 (n,), metres from origins, beyond which nothing is seen
     dither: float (n,) in [0, 1): a ray goes on where it is below the share that passes; over that
         share it is the number for the next surface; None: where half or more passes
     tints: float32 (n, 3), of ones; gets ShadingPoints.through of each ray, those too that hit
@@ -151,12 +164,12 @@ def points_through(
     hit, u, v = accel.intersect(origins, directions) if hits is None else hits
     offsets = scene.terminator_offset
     points = posed_points(scene.pose, scene.mesh, hit, u, v, directions, offsets)
+    points = points_within(points, origins, reach)
     if cut_materials(scene) is None:
         return points
     ended, numbers = [], None if dither is None else np.array(dither, np.float64)
     for _ in range(MOST_LAYERS):
-        color, panes = _passing_colors(scene, points, False)
-        passing = np.where(panes & any_in_row(color), np.float32(1.0), share_of(color))
+        color, passing = _passing_colors(scene, points, False)
         number = np.full(len(passing), 0.5) if numbers is None else numbers[points.pixel]
         goes = number < passing
         ended.append(points.at(~goes))
@@ -175,7 +188,7 @@ def points_through(
         starts, onward = behind(points, accel.offset)
         hit, u, v = accel.intersect(starts, onward)
         points = posed_points(scene.pose, scene.mesh, hit, u, v, onward, offsets)
-        points = points._replace(pixel=rays[points.pixel])
+        points = points_within(points._replace(pixel=rays[points.pixel]), origins, reach)
     ended.append(points)
     found = ShadingPoints(*map(np.concatenate, zip(*ended, strict=True)))
     found = found.at(np.argsort(found.pixel, kind="stable"))
@@ -188,8 +201,9 @@ def _passed(points: ShadingPoints, origins, colors) -> PassedPanes:
 
 
 def opacity_of(tints: np.ndarray) -> np.ndarray:
-    """float32 (n,): the opacity of a film where rays with these tints have met nothing."""
-    return np.maximum(np.float32(1.0) - row_means(tints), np.float32(0.0))
+    """float32 (n,): the opacity of a film where rays with these tints have met nothing; below 0
+    where a part of the rays has more than all of the light, for the others that have none."""
+    return np.float32(1.0) - row_means(tints)
 
 
 def behind(points: ShadingPoints, offset: float) -> tuple[np.ndarray, np.ndarray]:

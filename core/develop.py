@@ -151,8 +151,10 @@ def _write_background(scene, world, missed, flat) -> None:
         flat.environment[place] = radiance
         if not scene.transparent_film:
             flat.combined[place, :3] = radiance
-    opaque = not scene.transparent_film
-    flat.combined[place, 3] = 1.0 if opaque else opacity_of(missed.through[inside])
+    flat.combined[place, 3] = 1.0
+    if scene.transparent_film:
+        film = opacity_of(missed.through[inside])
+        flat.combined[place, 3] = np.maximum(film, np.float32(0.0))
 
 
 def filtered_layers(
@@ -191,7 +193,7 @@ def filtered_layers(
         _flat(layers, name)[:] = value
     combined = _flat(layers, "combined")
     combined[:, :3] = light["diffuse"] + light["glossy"] + light["emission"]
-    combined[:, 3] = (sums.hits + sums.opaque) / passes[:, 0]
+    combined[:, 3] = np.clip((sums.hits + sums.opaque) / passes[:, 0], 0.0, 1.0)
     if not scene.transparent_film:
         combined[:, :3] += values["environment"]
     return layers

@@ -80,6 +80,8 @@ class Program:
     closures: at least one; they add up
     emission: a colour, radiance; None: it does not glow
     transparent: a colour, the share of light that goes straight through; None: it is opaque
+    shown: a colour, the weight of all that does not pass, where both may be more than 1 (added to a
+        Transparent BSDF); None: what transparent leaves
     holdout: a colour, the share that is a hole in the picture; None: nothing is
     displaced: a vector, the normal that counts as the surface's own; None: it is that of the mesh
     corrects_bumps: whether turned normals are shadowed and kept clear of the surface (core/bump.py,
@@ -91,6 +93,7 @@ class Program:
     closures: tuple[Closure, ...]
     emission: Value | None = None
     transparent: Value | None = None
+    shown: Value | None = None
     holdout: Value | None = None
     displaced: Ref | None = None
     corrects_bumps: bool = True

@@ -128,12 +128,19 @@ def shading_points(
     return points
 
 
-@kernel
-def find_within(points, origins, reach, out):
-    """Write whether points are within reach of where their rays began, bool (n,).
+def points_within(points: ShadingPoints, origins, reach) -> ShadingPoints:
+    """The points within reach of where their rays began.
 
     origins: float32 (rays, 3); reach: float32 (rays,), metres
     """
+    near_enough = np.empty(len(points.pixel), np.bool_)
+    _find_within(points, origins, reach, near_enough)
+    return points if near_enough.all() else points.at(near_enough)
+
+
+@kernel
+def _find_within(points, origins, reach, out):
+    """Write whether points are within reach, bool (n,)."""
     for k in range(len(out)):
         ray, way = points.pixel[k], np.float32(0.0)
         for a in range(3):

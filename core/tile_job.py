@@ -33,7 +33,7 @@ from .scene import Camera, Scene
 from .seen_points import SeenPoints
 from .sequence import PixelSequence, pixel_sequence
 from .settings import RenderSettings
-from .shading import ShadingPoints, find_within
+from .shading import ShadingPoints
 from .stop_rule import Rule, asks_neighbours
 from .turns import aside
 from .unbiased_rays import UnbiasedSampler
@@ -133,10 +133,7 @@ def trace_points(
     origins, directions, reach = rays[:3]
     looks = _that_look(origins, directions)
     hits = rays.hits if isinstance(rays, SurfaceRays) else None
-    points = points_through(job.scene, job.accel, *looks, dither, tints, hits, passed)
-    near_enough = np.empty(len(points.pixel), np.bool_)
-    find_within(points, origins, reach, near_enough)
-    return points if near_enough.all() else points.at(near_enough)
+    return points_through(job.scene, job.accel, *looks, reach, dither, tints, hits, passed)
 
 
 def _that_look(origins, directions):

@@ -165,6 +165,8 @@ def _finished(
     """(row, program or None, requests) of all that a tree came to."""
     emission, transparent = builder.added(parts.emission), builder.added(parts.transparent)
     holdout = builder.added(parts.holdout)
+    is_more = parts.added and transparent is not None and holdout is None
+    shown = builder.added(parts.shown) if is_more else None
     closures = _merged(parts.closures, builder)
     row = _finite(_row_of(closures, emission, builder), reader)
     plain = transparent is None and holdout is None and settings.corrects_bumps
@@ -176,6 +178,7 @@ def _finished(
         closures=tuple(closures),
         emission=emission,
         transparent=transparent,
+        shown=shown,
         holdout=holdout,
         displaced=builder.displaced,
         **settings._asdict(),

@@ -20,6 +20,14 @@ _PRINCIPLED_IGNORES = {
     "Thin Wall": (0.0, "the surface is solid"),
     "Thin Film Thickness": (0.0, "rendered without thin film"),
 }
+# Shaders that show nothing themselves, or a part of their weight alone.
+_WITHOUT_WEIGHT = {
+    "ShaderNodeAddShader",
+    "ShaderNodeMixShader",
+    "ShaderNodeBsdfTransparent",
+    "ShaderNodeBsdfRefraction",
+    "ShaderNodeBsdfPrincipled",
+}
 
 
 def _conductor(cosine, n, k):
@@ -71,7 +79,10 @@ class ShaderReader(SubsurfaceShaders):
         if end.socket.type != "SHADER":  # a colour at a shader's place glows, as in Cycles
             color = self._builder.behind(socket, groups, "COLOR")
             self.parts.emission.append(self._times(weight, color))
+            self.parts.shown.append(weight)
             return
+        if end.node.bl_idname not in _WITHOUT_WEIGHT:
+            self.parts.shown.append(weight)
         self._shaders.get(end.node.bl_idname, self._other)(end.node, end.groups, weight)
 
     def _diffuse(self, node, groups, weight):
@@ -94,6 +105,7 @@ class ShaderReader(SubsurfaceShaders):
         if "Diffuse Roughness" in node.inputs:
             params["diffuse_roughness"] = number(node, "Diffuse Roughness", groups)
         weight = self._alpha(node, groups, weight)
+        self.parts.shown.append(weight)
         weight = self._sheen_layer(node, groups, weight)
         weight = self._coat(node, groups, weight)
         strength = number(node, "Emission Strength", groups)
@@ -212,7 +224,12 @@ class ShaderReader(SubsurfaceShaders):
         self._both(node, groups, self._shares(weight, factor))
 
     def _add(self, node, groups, weight):
+        clear, shown = len(self.parts.transparent), len(self.parts.shown)
         self._both(node, groups, [weight, weight])
+        if len(self.parts.transparent) > clear:
+            self.parts.added = True
+        else:  # what is opaque shows once, however much it is
+            self.parts.shown[shown:] = [weight]
 
     def _both(self, node, groups, weights):
         for socket, weight in zip(node.inputs[-2:], weights, strict=True):

@@ -31,6 +31,8 @@ def is_plain_diffuse(closure: Closure) -> bool:
 class SurfaceParts:
     """What a tree of shaders comes to: sums of closures, emission, what passes, what is a hole.
 
+    shown: weights of all shaders but what lets light through; added: whether there is an Add
+        Shader over what does, so that weights may be more than 1 together
     tinted: the nodes whose shadows have a color
     """
 
@@ -38,6 +40,8 @@ class SurfaceParts:
     emission: list[Value] = field(default_factory=list)
     transparent: list[Value] = field(default_factory=list)
     holdout: list[Value] = field(default_factory=list)
+    shown: list[Value] = field(default_factory=list)
+    added: bool = False
     tinted: list = field(default_factory=list)
 
 

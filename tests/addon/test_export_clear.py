@@ -93,3 +93,26 @@ def test_transmission_is_shared_with_metal_and_diffuse(build, metallic):
     through, weights = _shares(program_of(build))
     np.testing.assert_allclose(through, 0.75 * (1.0 - metallic) * 0.96 * 0.5, rtol=3e-3)
     np.testing.assert_allclose(np.sum(weights, axis=0), 1.0, rtol=1e-6)
+
+
+def _mixed(build, kind, *shaders):
+    """A Mix or Add Shader of two."""
+    first = 1 if kind == "Mix" else 0
+    links = [(first + k, shader.outputs[0]) for k, shader in enumerate(shaders)]
+    return build.node(f"ShaderNode{kind}Shader", links=links)
+
+
+def test_what_is_added_to_a_transparent_shader_has_its_weight(build):
+    """More than passes leaves: the program says how much. Else it is what passes leaves."""
+    clear, matte = build.node("ShaderNodeBsdfTransparent"), build.node("ShaderNodeBsdfDiffuse")
+    glow = build.node("ShaderNodeEmission")
+    sum_ = _mixed(build, "Add", clear, _mixed(build, "Add", matte, glow))
+    only(build.surface(sum_))
+    np.testing.assert_allclose(program_of(build).shown, [1.0] * 3)
+    mix = _mixed(build, "Mix", sum_, matte)
+    mix.inputs[0].default_value = 0.25
+    only(build.surface(mix))
+    np.testing.assert_allclose(program_of(build).shown, [1.0] * 3)  # 0.75 + 0.25
+    np.testing.assert_allclose(program_of(build).transparent, [0.75] * 3)
+    only(build.surface(_mixed(build, "Mix", clear, _mixed(build, "Add", matte, glow))))
+    assert program_of(build).shown is None

@@ -167,6 +167,21 @@ def test_panes_multiply(pixel_filter):
 
 
 @pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
+@pytest.mark.parametrize("clip_end, seen", [(1.5, 0), (2.05, 1), (2.15, 2), (9.0, 3)])
+def test_panes_beyond_the_far_plane_are_not_there(pixel_filter, clip_end, seen):
+    """Three panes, 2, 2.1 and 2.2 m away."""
+    camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 8, 8, 0.01)
+    camera = dataclasses.replace(camera, clip_end=clip_end)
+    parts = [floor(50.0, -0.1 * k) for k in range(3)]
+    scene = with_programs(
+        make_scene(parts, [diffuse()] * 3, constant_world(), camera), *[_pane()] * 3
+    )
+    layers, _ = make_picture(scene, max_samples=8, pixel_filter=pixel_filter)
+    world = layers["environment"]
+    np.testing.assert_allclose(world, np.broadcast_to(_TINT**seen, world.shape), atol=1e-5)
+
+
+@pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
 def test_surface_that_shows_itself_is_drawn_by_its_share(pixel_filter):
     """Tinted, and black beside that: rays end or take the tint over its mean."""
     camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 16, 16, 0.4)

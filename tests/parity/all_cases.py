@@ -1,6 +1,7 @@
 """The list of all cases."""
 
 from . import (
+    clear_cases,
     closure_cases,
     coordinate_cases,
     element_cases,
@@ -34,6 +35,7 @@ _FAMILIES = (
     lit_cases,
     closure_cases,
     subsurface_cases,
+    clear_cases,
     normal_cases,
     lamp_cases,
     lamp_picture_cases,
