@@ -20,11 +20,11 @@ DATA ?=
 # Prints the environment's Python on standard output; quick when all is up to date.
 venv_python = PYTHON="$(PYTHON)" VENV="$(VENV)" scripts/venv.sh
 
-.PHONY: help render test parity whole-scenes bench paper lint zip test-blender venv clean distclean
+.PHONY: help render test parity whole-scenes random-scenes bench paper lint zip test-blender venv clean distclean
 
 help:
 	@sed -n '1,/^$$/s/^# \{0,1\}//p' Makefile
-	@echo "targets: render test parity whole-scenes bench paper lint zip test-blender venv clean distclean"
+	@echo "targets: render test parity whole-scenes random-scenes bench paper lint zip test-blender venv clean distclean"
 
 # Render sample_blends/ through `python -m iwis render`: EXR and PNG in out/.
 render:
@@ -40,6 +40,10 @@ parity:
 # Blender's templates, assets and add operators beside Cycles: docs/whole-scenes.md, 15 minutes.
 whole-scenes:
 	@python="$$($(venv_python))" && cd tests && "$$python" -m whole_scenes.run $(ARGS)
+
+# Scenes by chance beside Cycles, 8 seconds each; ARGS="FIRST COUNT" takes other seeds than 0 to 99.
+random-scenes:
+	@python="$$($(venv_python))" && cd tests && "$$python" -m random_scenes.run $(ARGS)
 
 # Error against CPU time beside Cycles and Mitsuba, scaling, start-up: docs/benchmarks.md, 20 minutes.
 bench:

@@ -1,0 +1,114 @@
+"""Random objects: meshes, text, curves, metaballs with modifiers, and instances of them."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from .dice import Dice
+
+_PRIMITIVES = {
+    "cube": lambda: bpy.ops.mesh.primitive_cube_add(size=1.2),
+    "sphere": lambda: bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12, radius=0.8),
+    "icosphere": lambda: bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=0.8),
+    "torus": lambda: bpy.ops.mesh.primitive_torus_add(major_segments=20, minor_segments=8),
+    "cone": lambda: bpy.ops.mesh.primitive_cone_add(vertices=12, radius1=0.7, depth=1.4),
+    "monkey": lambda: bpy.ops.mesh.primitive_monkey_add(size=1.3),
+    "plane": lambda: bpy.ops.mesh.primitive_plane_add(size=1.6),
+    "text": lambda: bpy.ops.object.text_add(),
+    "curve": lambda: bpy.ops.curve.primitive_bezier_circle_add(radius=0.7),
+    "ball": lambda: bpy.ops.object.metaball_add(radius=0.9),
+}
+_MODIFIERS = {
+    "SUBSURF": {"levels": 1, "render_levels": 1},
+    "BEVEL": {"width": 0.1, "segments": 2},
+    "ARRAY": {"count": 2},
+    "SOLIDIFY": {"thickness": 0.1},
+    "MIRROR": {},
+    "WIREFRAME": {"thickness": 0.1},
+    "TRIANGULATE": {},
+    "SIMPLE_DEFORM": {"angle": 0.8},
+}
+
+
+def add_object(dice: Dice, materials: list):
+    """One new object somewhere round the middle of the scene."""
+    kind = dice.of(*_PRIMITIVES)
+    dice.tell(kind)
+    _PRIMITIVES[kind]()
+    obj = bpy.context.object
+    if kind == "text":
+        obj.data.body, obj.data.extrude, obj.data.align_x = "Wg", 0.1, "CENTER"
+    if kind == "curve":
+        obj.data.bevel_depth = 0.15
+    obj.location = (dice.between(-1.8, 1.8), dice.between(-1.0, 1.5), dice.between(-0.6, 1.0))
+    obj.rotation_euler = dice.vector(-3.0, 3.0)
+    scale = dice.spread(0.5, 1.1)
+    obj.scale = dice.vector(0.5, 1.1) if dice.chance(0.3) else (scale,) * 3
+    if dice.chance(0.15):
+        obj.scale.x *= -1.0
+    for material in materials:
+        obj.data.materials.append(material)
+    if obj.type == "MESH":
+        _shaped(dice, obj, len(materials))
+    _looks(dice, obj)
+    return obj
+
+
+def _looks(dice, obj):
+    obj.color, obj.pass_index = (*dice.color(), 1.0), dice.whole(0, 5)
+
+
+def _shaped(dice, obj, n_materials):
+    """Smooth or flat, colours, slots by face, modifiers."""
+    mesh = obj.data
+    mesh.polygons.foreach_set("use_smooth", np.full(len(mesh.polygons), dice.chance(0.5)))
+    slots = np.arange(len(mesh.polygons)) % n_materials
+    mesh.polygons.foreach_set("material_index", slots.astype(np.int32))
+    colors = mesh.color_attributes.new("Col", "FLOAT_COLOR", dice.of("CORNER", "POINT"))
+    n = len(colors.data)
+    values = np.stack([np.arange(n) % k / k for k in (3, 5, 7)] + [np.ones(n)], -1)
+    colors.data.foreach_set("color", values.astype(np.float32).ravel())
+    for _ in range(dice.of(0, 0, 1, 2)):
+        kind = dice.of(*_MODIFIERS)
+        dice.tell(kind.lower())
+        modifier = obj.modifiers.new(kind, kind)
+        for name, value in _MODIFIERS[kind].items():
+            setattr(modifier, name, value)
+
+
+def add_floor(dice: Dice, material) -> None:
+    """A square under all."""
+    bpy.ops.mesh.primitive_plane_add(size=9.0, location=(0.0, 0.5, -1.2))
+    bpy.context.object.data.materials.append(material)
+    _looks(dice, bpy.context.object)
+
+
+def add_copies(dice: Dice, obj) -> None:
+    """Instances of an object: by a collection, vertices, faces or particles."""
+    kind = dice.of("collection", "VERTS", "FACES", "particles")
+    dice.tell(f"instances {kind}")
+    scene = bpy.context.scene
+    if kind == "collection":
+        group = bpy.data.collections.new("Group")
+        group.objects.link(obj)
+        for _ in range(dice.whole(1, 3)):
+            empty = bpy.data.objects.new("Copy", None)
+            empty.instance_type, empty.instance_collection = "COLLECTION", group
+            empty.location, empty.scale = dice.vector(-1.0, 1.0), dice.vector(0.5, 1.0)
+            empty.rotation_euler = dice.vector(-1.0, 1.0)
+            _looks(dice, empty)
+            scene.collection.objects.link(empty)
+        return
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=1, radius=0.9, location=obj.location)
+    parent = bpy.context.object
+    parent.data.materials.append(obj.data.materials[0])
+    _looks(dice, parent)
+    if kind == "particles":
+        settings = parent.modifiers.new("P", "PARTICLE_SYSTEM").particle_system.settings
+        settings.type, settings.count, settings.hair_length = "HAIR", 12, 0.3
+        settings.render_type, settings.instance_object = "OBJECT", obj
+        settings.particle_size = 0.5
+    else:
+        obj.parent, parent.instance_type = parent, kind
+        obj.location, obj.scale = (0.0, 0.0, 0.0), (0.2, 0.2, 0.2)

@@ -1,0 +1,137 @@
+"""Random trees of value nodes: numbers, colours, places."""
+
+from __future__ import annotations
+
+import bpy
+
+from .dice import Dice
+
+
+def number(dice: Dice, tree, low=0.0, high=1.0, depth=1):
+    """A number from low to high: a constant, or the output of a node."""
+    if depth <= 0 or dice.chance(0.6):
+        return dice.edge(low, high)
+    inputs = {"Value": _factor(dice, tree, depth), "To Min": low, "To Max": high}
+    return tree.made("ShaderNodeMapRange", 0, inputs, clamp=True)
+
+
+def color(dice: Dice, tree, depth=2):
+    """A colour."""
+    if depth <= 0 or dice.chance(0.3):
+        return dice.color()
+    return dice.of(_texture, _texture, _image, _mixed, _changed, _ramp, _of_object)(
+        dice, tree, depth
+    )
+
+
+def place(dice: Dice, tree):
+    """A vector that textures are looked up by."""
+    vector = tree.coordinates(dice.of("Object", "Generated", "UV", "Normal"))
+    if dice.chance(0.5):
+        return vector
+    inputs = {"Vector": vector}
+    node = tree.made("ShaderNodeMapping", 0, inputs, vector_type=dice.of("POINT", "TEXTURE"))
+    for name, (low, high) in {"Location": (-1, 1), "Rotation": (-3, 3), "Scale": (0.5, 2)}.items():
+        node.node.inputs[name].default_value = dice.vector(low, high)
+    return node
+
+
+def _factor(dice, tree, depth):
+    kinds = {
+        "ShaderNodeTexNoise": "Fac",
+        "ShaderNodeTexWave": "Fac",
+        "ShaderNodeTexChecker": "Fac",
+        "ShaderNodeTexGradient": "Fac",
+        "ShaderNodeTexBrick": "Fac",
+    }
+    if bpy.app.version >= (5, 0):
+        kinds["ShaderNodeTexVoronoi"] = "Distance"
+    if depth > 1 and dice.chance(0.2):
+        return tree.made("ShaderNodeLayerWeight", dice.of("Fresnel", "Facing"), {"Blend": 0.3})
+    kind = dice.of(*kinds)
+    return _made(dice, tree, kind, kinds[kind] if kind.endswith("Voronoi") else 1)
+
+
+def _made(dice, tree, kind, output):
+    inputs = {"Vector": place(dice, tree)}
+    properties = {}
+    if kind == "ShaderNodeTexGradient":
+        types = ("LINEAR", "QUADRATIC", "EASING", "DIAGONAL", "SPHERICAL", "RADIAL")
+        properties["gradient_type"] = dice.of(*types)
+    else:
+        inputs["Scale"] = dice.spread(1.0, 6.0)
+    if kind == "ShaderNodeTexVoronoi":
+        properties["feature"] = dice.of("F1", "F2", "SMOOTH_F1")
+        properties["distance"] = dice.of("EUCLIDEAN", "MANHATTAN", "CHEBYCHEV")
+    if kind == "ShaderNodeTexNoise":
+        inputs |= {"Detail": dice.between(0.0, 4.0), "Distortion": dice.edge(0.0, 1.0)}
+    if kind == "ShaderNodeTexWave":
+        properties["wave_type"] = dice.of("BANDS", "RINGS")
+        inputs["Distortion"] = dice.edge(0.0, 3.0)
+    return tree.made(kind, output, inputs, **properties)
+
+
+def _texture(dice, tree, depth):
+    names = ["Noise", "Checker", "Magic", "Brick", "Wave"]
+    names += ["Voronoi"] if bpy.app.version >= (5, 0) else []
+    kind = f"ShaderNodeTex{dice.of(*names)}"
+    return _made(dice, tree, kind, "Color")
+
+
+def _image(dice, tree, depth):
+    height, width = dice.whole(4, 24), dice.whole(4, 24)
+    image = bpy.data.images.new("I", width, height, float_buffer=dice.chance(0.5))
+    image.pixels.foreach_set(dice.pixels(height, width).ravel())
+    image.pack()
+    settings = {
+        "interpolation": dice.of("Linear", "Closest", "Cubic"),
+        "extension": dice.of("REPEAT", "EXTEND", "CLIP", "MIRROR"),
+        "projection": dice.of("FLAT", "FLAT", "BOX", "SPHERE", "TUBE"),
+    }
+    return tree.made("ShaderNodeTexImage", 0, {0: place(dice, tree)}, image=image, **settings)
+
+
+def _mixed(dice, tree, depth):
+    kinds = ("MIX", "MULTIPLY", "SCREEN", "OVERLAY", "DARKEN", "LIGHTEN", "HUE", "SOFT_LIGHT")
+    settings = {"data_type": "RGBA", "blend_type": dice.of(*kinds), "clamp_result": True}
+    inputs = {
+        "Factor_Float": number(dice, tree, depth=depth - 1),
+        "A_Color": color(dice, tree, depth - 1),
+        "B_Color": color(dice, tree, depth - 1),
+    }
+    return tree.made("ShaderNodeMix", "Result_Color", inputs, **settings)
+
+
+def _changed(dice, tree, depth):
+    given = color(dice, tree, depth - 1)
+    kind = dice.of("HueSaturation", "Gamma", "Invert", "BrightContrast", "RGBCurve")
+    inputs = {"Color": given}
+    if kind == "HueSaturation":
+        inputs |= {"Hue": dice.between(0.0, 1.0), "Saturation": dice.between(0.0, 1.5)}
+    elif kind == "Gamma":
+        inputs["Gamma"] = dice.between(0.5, 2.5)
+    elif kind == "BrightContrast":
+        inputs |= {"Bright": dice.between(0.0, 0.3), "Contrast": dice.between(-0.2, 0.2)}
+    return tree.made(f"ShaderNode{kind}", "Color", inputs)
+
+
+def _ramp(dice, tree, depth):
+    node = tree.node("ShaderNodeValToRGB")
+    ramp = node.color_ramp
+    ramp.interpolation = dice.of("LINEAR", "EASE", "CONSTANT", "B_SPLINE")
+    for element in (*ramp.elements, ramp.elements.new(dice.between(0.2, 0.8))):
+        element.color = (*dice.color(), 1.0)
+    tree.link(_factor(dice, tree, depth), node.inputs[0])
+    return node.outputs[0]
+
+
+def _of_object(dice, tree, depth):
+    kind = dice.of("color", "random", "attribute", "normal")
+    if kind == "color":
+        return tree.made("ShaderNodeObjectInfo", "Color")
+    if kind == "random":
+        return tree.made("ShaderNodeObjectInfo", "Random")
+    if kind == "attribute":
+        return tree.made("ShaderNodeVertexColor", 0, layer_name="Col")
+    normal = tree.made("ShaderNodeNewGeometry", dice.of("Normal", "True Normal"))
+    return tree.made("ShaderNodeVectorMath", 0, {0: normal}, operation="ABSOLUTE")
