@@ -17,7 +17,7 @@ from .nodes import Evaluation, ShadeContext
 from .poses import points_at_rest, posed_points
 from .program import Program
 from .rows import any_in_row, row_means
-from .scene import BLACK, Scene
+from .scene import BLACK, ROUND, Scene
 from .shading import ShadingPoints, points_within
 
 # Surfaces that a ray goes through; the next one is opaque. Cycles' own limit is 8, and black.
@@ -81,10 +81,20 @@ def _passing_colors(
             at_rest = points_at_rest(scene.pose, scene.mesh, points.at(which))
             context = ShadeContext.of_points(scene, at_rest, shadow)
             evaluation = Evaluation(program, context)
-            color = colors[which] = passing_color(program, evaluation)
+            color = passing_color(program, evaluation)
             share = any_in_row(color) if _is_pane(program) else going_share(program, evaluation)
-            going[which] = share
+            backs = on_elements(scene, points.triangle[which]) & (context.backfacing != 0.0)
+            colors[which] = np.where(backs[:, None], np.float32(1.0), color)
+            going[which] = np.where(backs, np.float32(1.0), share)
     return colors, going
+
+
+def on_elements(scene: Scene, triangle: np.ndarray) -> np.ndarray:
+    """bool (n,): whether triangles are of points or strands, of which Cycles' rays meet the front
+    alone: what goes in goes out at the back."""
+    if scene.terminator_offset is None:
+        return np.zeros(len(triangle), np.bool_)
+    return scene.terminator_offset[scene.mesh.object_index[triangle]] >= ROUND
 
 
 def _is_pane(program: Program) -> bool:

@@ -22,7 +22,7 @@ def _without_solids(scene):
     for obj in list(scene.objects):
         if obj.type == "MESH" and obj.name != "Plane":
             bpy.data.objects.remove(obj)
-    return bpy.data.objects["Plane"].data.materials[0]
+    return bpy.data.materials["M"]
 
 
 def _matte(tree):
@@ -32,6 +32,30 @@ def _matte(tree):
 def _plastic(tree):
     inputs = {"Base Color": (0.2, 0.4, 0.8), "Roughness": 0.3}
     tree.surface(tree.made("ShaderNodeBsdfPrincipled", 0, inputs))
+
+
+def _half_clear(tree):
+    """On a matte floor."""
+    _on_a_matte_floor()
+    mix = tree.node("ShaderNodeMixShader")
+    diffuse = tree.made("ShaderNodeBsdfDiffuse", 0, {"Color": (0.8, 0.5, 0.2)})
+    for value, socket in zip((0.5, _clear(tree), diffuse), mix.inputs, strict=True):
+        tree.link(value, socket)
+    tree.surface(mix.outputs[0])
+
+
+def _tinted_glass(tree):
+    _on_a_matte_floor()
+    tree.surface(_clear(tree, (0.9, 0.5, 0.2)))
+
+
+def _clear(tree, color=(1.0, 1.0, 1.0)):
+    return tree.made("ShaderNodeBsdfTransparent", 0, {"Color": color})
+
+
+def _on_a_matte_floor():
+    bpy.context.scene.cycles.transparent_max_bounces = 64
+    bpy.data.objects["Plane"].data.materials[0] = bpy.data.materials.new("Floor")
 
 
 def _metal(tree):
@@ -186,6 +210,9 @@ def _hair(name, material, count=300, lit=True, children="NONE", **settings):
     _case(f"Particle hair, {name}", build, lit)
 
 
+_points("that let half of the light through", _half_clear)
+_points("clear and tinted", _tinted_glass)
+_curves("that let half of the light through", _half_clear)
 _points("diffuse", _matte)
 _points("Principled, rough metal", _metal)
 _points("plastic, many small", _plastic, count=3000, size=(0.02, 0.06))

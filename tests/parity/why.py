@@ -10,6 +10,8 @@ _ELLIPSOIDS = (
     "Cycles' ellipsoids do not shadow themselves, though their normals lead away from the centre: "
     "likely light from below the true surface"
 )
+_OVERLAPS = "where they lie one behind the other; tones agree within .3 %"
+_DARKER = "where strands that let light through overlap, Cycles is 1 to 2 % darker: not known why"
 _CONES = "Cycles' linear curves have round joints and ends"
 
 _STRAIGHT = "with direct light alone Cycles is black where a refracted ray ends in the body"
@@ -23,6 +25,8 @@ WHY = {
     "Glass, rough": _STRAIGHT,
     "Principled, transmission": _STRAIGHT,
     "Points, plastic, many small": _FINE,
+    "Points, that let half of the light through": _OVERLAPS,
+    "Curves, that let half of the light through": _DARKER,
     "Points, scaled and turned": _ELLIPSOIDS,
     "Points, scaled unevenly, two instances": _ELLIPSOIDS,
     "Curves, diffuse, radius varies, ribbons": _RIBBONS,

@@ -14,7 +14,7 @@ from support.cycles_render import render_cycles
 from support.iwis_render import render_iwis
 
 # Shading points of a pixel, shadow rays of each, and Cycles' samples; times four for a second look.
-POINTS, BATCH, SAMPLES = 48, 4, 96
+POINTS, BATCH, SAMPLES = 32, 4, 64
 FILTER_WIDTH = 1.5
 # Of the mean: what is below may be the half percent to which a texture, a light's picture or a ball
 # of triangles is known; above, it counts where it is more than so many standard errors.
@@ -27,6 +27,7 @@ FORESEEN = (
     "it gives no light",
     "all light is as on diffuse surfaces",
     "grey shadow",
+    "without area, 0 with",
     "cells lie as in Cycles",
 )
 

@@ -73,7 +73,8 @@ def _principled(dice, tree):
         inputs |= {"Anisotropic": dice.edge(0.0, 0.9), "Anisotropic Rotation": dice.between(0, 1)}
     if dice.chance(0.3):
         inputs |= {"Specular IOR Level": dice.edge(0.0, 1.0), "Specular Tint": dice.color()}
-    if dice.chance(0.15):
+    # Under a coat or sheen it depends on the direction, which lights others otherwise (warned).
+    if dice.chance(0.15) and not {"Coat Weight", "Sheen Weight"} & inputs.keys():
         inputs |= {"Emission Color": dice.color(), "Emission Strength": dice.between(0.0, 0.5)}
     distribution = dice.of("GGX", "MULTI_GGX")
     inputs |= _normal(dice, tree)
@@ -105,7 +106,7 @@ def _sheen(dice, tree):
 
 
 def _emission(dice, tree):
-    inputs = {"Color": values.color(dice, tree), "Strength": dice.spread(0.05, 2.0)}
+    inputs = {"Color": values.color(dice, tree, depth=1), "Strength": dice.spread(0.05, 2.0)}
     return tree.made("ShaderNodeEmission", 0, inputs)
 
 

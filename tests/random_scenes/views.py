@@ -8,7 +8,7 @@ import bpy
 
 from .dice import Dice
 
-WIDTH, HEIGHT = 40, 28
+WIDTH, HEIGHT = 32, 24
 
 
 def view(dice: Dice, scene) -> None:
