@@ -4,7 +4,7 @@ A catcher shows the world behind it, times s: of the light that it reflects, the
 where the other objects stand (Cycles' Shadow Catcher pass); the picture takes the mean of s over
 its colours, as Cycles' does. In a transparent film it is black with the opacity 1 - s. What it is
 made of says only how light from different sides counts. A holdout is black, with the opacity 0 in
-any film.
+any film; but beside a catcher, in an opaque film, all is opaque, as in Cycles.
 """
 
 from __future__ import annotations
@@ -71,6 +71,8 @@ class CaughtPasses:
         behind = sums.environment[rows] / passes * scene.exposure
         opaque = sums.opaque[rows] / passes[:, 0]
         _write(scene, layers, slice(None), share, behind, hits / passes, opaque)
+        if not scene.transparent_film:
+            layers["combined"][..., 3] = 1.0
 
 
 def show_caught(
@@ -93,6 +95,9 @@ def show_caught(
     behind = behind * np.float32(scene.environment.visible_to_camera)
     opaque = np.maximum(opacity_of(points.through[caught]), 0.0)
     _write(scene, layers, place[caught], share, behind, np.ones((len(caught), 1)), opaque)
+    if not scene.transparent_film and has_role(scene, SHADOW_CATCHER):
+        for rows in (caught, hidden):
+            layers["combined"].reshape(-1, 4)[place[rows], 3] = 1.0
 
 
 def _write(scene, layers, where, share, behind, part, opaque) -> None:

@@ -123,3 +123,17 @@ def test_holdout_is_a_hole(pixel_filter, transparent):
     whole = (plain[..., 3] == 1.0) & (hole[..., 3] == 1.0) & ~gone
     if pixel_filter == "CENTER":
         np.testing.assert_allclose(hole[whole], plain[whole], rtol=1e-5)
+
+
+@FILTERS
+def test_beside_a_catcher_in_an_opaque_film_all_is_opaque(pixel_filter):
+    """As in Cycles: holdouts are black there, without a catcher holes in alpha as well."""
+    scene = _scene(SHADOW_CATCHER)
+    hole = np.uint8([_PLAIN | SHADOW_CATCHER, _PLAIN | HOLDOUT])
+    beside = _render(dataclasses.replace(scene, object_flags=hole), pixel_filter, 16)["combined"]
+    hole = np.uint8([_PLAIN, _PLAIN | HOLDOUT])
+    alone = _render(dataclasses.replace(scene, object_flags=hole), pixel_filter, 16)["combined"]
+    black = (beside[..., :3] == 0.0).all(axis=2)
+    assert 10 < black.sum() < black.size
+    np.testing.assert_allclose(beside[..., 3], 1.0, atol=1e-6)
+    assert not alone[black, 3].any()

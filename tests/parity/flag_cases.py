@@ -59,6 +59,15 @@ for _kind, _filter in (("", False), (", filtered", True)):
         transparent=False,
         blurred=_filter,
     )
+
+
+def _hole_on_a_catcher(scene, sphere):
+    sphere.is_holdout = bpy.data.objects["Plane"].is_shadow_catcher = True
+    scene.collection.children.link(bpy.data.collections["Own"])
+
+
+_case("holdout on a catcher", _hole_on_a_catcher)
+_case("holdout on a catcher in an opaque film", _hole_on_a_catcher, transparent=False)
 _flagged("holdout of an instancer", "is_holdout", True, True)
 _flagged("holdout of what is instanced does nothing", "is_holdout", True, False)
 _flagged("instancer not seen by the camera", "visible_camera", False, True)

@@ -28,6 +28,7 @@ FORESEEN = (
     "all light is as on diffuse surfaces",
     "grey shadow",
     "without area, 0 with",
+    "a world has no UV map",
     "cells lie as in Cycles",
 )
 

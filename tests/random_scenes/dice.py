@@ -6,11 +6,15 @@ import numpy as np
 
 
 class Dice:
-    """Throws of one seed. told: what has been chosen, for the report"""
+    """Throws of one seed.
+
+    told: what has been chosen, for the report; bumps: whether normals may be turned
+    """
 
     def __init__(self, seed: int):
         self._rng = np.random.default_rng(seed)
         self.told: list[str] = []
+        self.bumps = True
 
     def tell(self, what: str) -> None:
         """Add to the report."""

@@ -4,51 +4,36 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from parity.element_cases import add_curves, add_points
 
 from .dice import Dice
 
 
 def add_elements(dice: Dice, material) -> None:
     """A cloud of points, hair curves, or particle hair; material: an opaque one."""
+    # Cut open by the near plane they are hollow here, and not there in Cycles.
+    bpy.context.scene.camera.data.clip_start = 0.1
     kind = dice.of(_points, _curves, _hair)
     dice.tell(kind.__name__[1:])
     kind(dice, material)
 
 
-def _placed(dice, name, data, material):
-    data.materials.append(material)
-    obj = bpy.data.objects.new(name, data)
-    obj.location = (dice.between(-1.0, 1.0), dice.between(-0.5, 0.5), 0.0)
-    obj.color = (*dice.color(), 1.0)
-    bpy.context.scene.collection.objects.link(obj)
-    return obj
-
-
 def _points(dice, material):
     n = dice.whole(1, 40)
-    data = bpy.data.pointclouds.new("Points")
-    data.resize(n)
     places = np.array([dice.vector(-0.8, 0.8) for _ in range(n)], np.float32)
-    data.attributes["position"].data.foreach_set("vector", places.ravel())
-    radius = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
     sizes = np.array([dice.between(0.05, 0.3) for _ in range(n)], np.float32)
-    radius.data.foreach_set("value", sizes)
-    _placed(dice, "Points", data, material)
+    add_points(material, places, sizes, color=(*dice.color(), 1.0))
 
 
 def _curves(dice, material):
     bpy.context.scene.cycles_curves.shape = "THICK"
     n, steps = dice.whole(1, 12), dice.whole(2, 6)
-    data = bpy.data.hair_curves.new("Curves")
-    data.add_curves([steps] * n)
-    places = []
-    for _ in range(n):
+    places = np.empty((n, steps, 3), np.float32)
+    for strand in places:
         root, way = np.array(dice.vector(-0.8, 0.8)), np.array(dice.vector(-0.3, 0.3))
-        places += [root + k * way + 0.1 * k * k / steps for k in range(steps)]
-    data.position_data.foreach_set("vector", np.array(places, np.float32).ravel())
-    radius = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
-    radius.data.foreach_set("value", np.full(n * steps, dice.between(0.04, 0.12), np.float32))
-    _placed(dice, "Curves", data, material)
+        strand[:] = [root + k * way + 0.1 * k * k / steps for k in range(steps)]
+    radii = np.full((n, steps), dice.between(0.04, 0.12), np.float32)
+    add_curves(material, places, radii, color=(*dice.color(), 1.0))
 
 
 def _hair(dice, material):

@@ -43,7 +43,7 @@ def _closure(dice, tree, opaque):
 
 def _normal(dice, tree):
     """Inputs of a turned normal, seldom."""
-    if not dice.chance(0.2):
+    if not dice.chance(0.2) or not dice.bumps:
         return {}
     height = values.number(dice, tree, depth=2)
     bump = {"Height": height, "Strength": dice.between(0.1, 0.7), "Distance": 0.1}

@@ -48,16 +48,23 @@ def _panorama(dice, camera):
     owner = data if hasattr(data, "panorama_type") else data.cycles
     kinds = ("EQUIRECTANGULAR", "FISHEYE_EQUIDISTANT", "FISHEYE_EQUISOLID", "MIRRORBALL")
     owner.panorama_type = dice.of(*kinds)
+    # Cycles' bumps ask the next pixel's ray, which beyond a fisheye's circle has no direction.
+    dice.bumps = False
     camera.location = (0.1, -2.5, 0.4)
     data.clip_start, data.clip_end = 0.05, dice.of(100.0, 4.0)
 
 
 def flags(dice: Dice, scene) -> None:
-    """Shadow catchers, holdouts, what the camera does not see."""
+    """Shadow catchers, holdouts, what the camera does not see.
+
+    Beside a catcher, before a world, Cycles blends the world into the edges of a holdout twice.
+    """
+    both = scene.render.film_transparent
+    kinds = ("camera", "holdout", "catcher") if both else ("camera", dice.of("holdout", "catcher"))
     for obj in scene.objects:
         if obj.type in ("LIGHT", "CAMERA", "EMPTY") or not dice.chance(0.12):
             continue
-        kind = dice.of("camera", "holdout", "catcher")
+        kind = dice.of(*kinds)
         dice.tell(f"no camera: {obj.name}" if kind == "camera" else f"{kind}: {obj.name}")
         if kind == "camera":
             obj.visible_camera = False
