@@ -33,12 +33,13 @@ from .walk_steps import (
 
 # Objects in the way, and the surface that a walk begins on, which it may meet at once.
 _MOST_OTHERS = 16
-_BESIDE = np.float32(2.0**-22)  # of the largest coordinate: off a surface that is in the way
+_BESIDE = np.float32(0.125)  # of a shadow ray's offset: off a surface that is in the way
 
 
 class Exits(NamedTuple):
     """Where walks have ended. of: int64 (m,), ascending, rows of the points that they began at;
-    points: on the outside of their surface, with the pixels of those; gain: float32 (m, 3)"""
+    points: on the outside of their surface, with the pixels of those, ``through`` is 1; gain:
+    float32 (m, 3)"""
 
     of: np.ndarray
     points: ShadingPoints
@@ -50,8 +51,7 @@ class _Walks:
 
     def __init__(self, scene: Scene, accel, medium: Medium, walkers: Walkers):
         self._scene, self._accel, self._medium, self._walkers = scene, accel, medium, walkers
-        largest = np.abs(scene.mesh.vertices).max(initial=0.0)
-        self._beside = np.float32(largest) * _BESIDE
+        self._beside = np.float32(accel.offset) * _BESIDE
 
     def ends(self, active: np.ndarray) -> ShadingPoints:
         """The points where walks end, on the outside of their surface; ``pixel`` is the walker."""
@@ -142,6 +142,5 @@ def walk(
     order = np.argsort(ended.pixel, kind="stable")
     ended = ended.at(order)
     of = ended.pixel.astype(np.int64)
-    through, pixel = rows_of((points.through, points.pixel), of)
     gain = walkers.throughput.take(of, axis=0)
-    return Exits(of, ended._replace(pixel=pixel, through=through), gain)
+    return Exits(of, ended._replace(pixel=points.pixel[of]), gain)

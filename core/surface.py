@@ -95,8 +95,8 @@ def _written(scene: Scene, points: ShadingPoints, layers: list[ClosureValues], o
     if not layers or layers[0].media is None:
         return PointClosures(of, seen, lobes)
     order = np.argsort(np.concatenate([layer.which for layer in layers]))
-    columns = zip(*(layer.media for layer in layers), strict=True)
-    media = Media(*(np.concatenate(column)[order] for column in columns))
+    parts = zip(*(layer.media for layer in layers), strict=True)
+    media = Media(*(np.concatenate(part)[order] for part in parts))
     return PointClosures(of, seen, matte_alone(lobes), media)
 
 

@@ -31,18 +31,20 @@ def walked_layers(
         if layer.media is None:
             out.append(layer)
             continue
-        own = places, number * _WALKS
-        out += [_walked(job, layer, *own, k) for k in range(_WALKS)]
+        for k in range(_WALKS):
+            if job.stop.is_set():  # what is cut short is thrown away
+                break
+            out.append(_walked(job, layer, places, number * _WALKS + k))
     return [layer for layer in out if layer is layers[0] or len(layer.of)]
 
 
-def _walked(job: Job, layer: ClosureLayer, places, number, k: int) -> ClosureLayer:
-    """Walk ``k`` of _WALKS from each point."""
+def _walked(job: Job, layer: ClosureLayer, places, number) -> ClosureLayer:
+    """One of _WALKS walks from each point, which is its number ``number``."""
     scene, media, of = job.scene, layer.media, layer.of
     points, lobes, _ = layer.seen
     apart = 0 if job.settings.decorrelation == "NONE" else 1
     columns, rows = (apart * place[of].astype(np.int64) for place in places)
-    at = columns, rows, number[of].astype(np.int64) + k
+    at = columns, rows, number[of].astype(np.int64)
     # Where a bump turns the surface away from wo, light still enters, as in Cycles.
     exits = walk(scene, job.accel, points, lobes.glossy_normal, media, at, job.settings.seed)
     color, own = lobes.diffuse[exits.of] / np.float32(_WALKS), media.color[exits.of].clip(0.0, 1.0)

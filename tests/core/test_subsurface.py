@@ -10,7 +10,15 @@ from iwis.core.film import Film
 from iwis.core.program import Closure, Program, Subsurface
 from iwis.core.random_walk import walk
 from iwis.core.render import render
-from iwis.core.scene import DIFFUSE, GGX, PRINCIPLED, EnvironmentMap
+from iwis.core.scene import (
+    BLACK,
+    CAMERA_RAYS,
+    DIFFUSE,
+    GGX,
+    PRINCIPLED,
+    SHADOW_RAYS,
+    EnvironmentMap,
+)
 from iwis.core.settings import RenderSettings
 from iwis.core.shading import shading_points
 from iwis.core.subsurface import LEGACY, SKIN, VAN_DE_HULST, Media, medium_of, walked
@@ -223,6 +231,27 @@ def test_light_comes_through_to_the_dark_side():
 
 def _lambert():
     return (_program().closures[0]._replace(subsurface=None),)
+
+
+def test_a_tinted_pane_tints_once():
+    """What is seen of a ball behind it."""
+    tint = np.float32([0.5, 0.8, 0.2])
+    pane = Program(ops=(), closures=(Closure(BLACK, GGX, _ONE, {}),), transparent=tint)
+    scene = scenes.make_scene(
+        [scenes.sphere(), scenes.floor(3.0, 2.0)],
+        [scenes.diffuse(), scenes.black()],
+        scenes.constant_world(),
+        scenes.camera_above(8, 8, half=0.5),
+        object_flags=np.uint8([CAMERA_RAYS | SHADOW_RAYS, CAMERA_RAYS]),
+    )
+    open_pane = dataclasses.replace(pane, transparent=_ONE)
+    given = {"stop_rule": "FIXED", "max_samples": 512, "pixel_filter": "BOX"}
+    clear, tinted = (
+        scenes.make_picture(with_programs(scene, _program(), own), **given)[0]["combined"]
+        for own in (open_pane, pane)
+    )
+    found = tinted[..., :3].mean(axis=(0, 1)) / clear[..., :3].mean(axis=(0, 1))
+    np.testing.assert_allclose(found, tint, rtol=0.02)  # other walks: the shares drawn differ
 
 
 def test_center_is_told_and_matte():
