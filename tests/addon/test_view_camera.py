@@ -149,17 +149,18 @@ def view_frame(view, size):
     return *screen.min(axis=0), *screen.max(axis=0)
 
 
-def test_a_view_with_an_open_lens_takes_several_points_a_pixel(seen, monkeypatch):
-    """The view's default filter, Center, has no blur: Box stands in, and only there."""
+def test_a_view_takes_several_points_a_pixel_where_one_says_nothing(seen, monkeypatch):
+    """The view's default filter, Center, has no blur and no walks: Box stands in, only there."""
     from iwis.iwis_addon import viewport
 
     asked, view = [], standing_view()
     view.thread.request = lambda scene, settings: asked.append(settings)
     monkeypatch.setattr(viewport, "_replace", lambda scene, **changes: scene)
-    for use_dof in (False, True):
+    for use_dof, scatters in ((False, False), (True, False), (False, True)):
         seen.camera.data.dof.use_dof = use_dof
-        viewport.Viewport._want(view, object(), seen, view_camera(*make_view(seen), 1))
-    assert [own.pixel_filter for own in asked] == ["CENTER", "BOX"]
+        scene = SimpleNamespace(shaders=SimpleNamespace(scatters=scatters))
+        viewport.Viewport._want(view, scene, seen, view_camera(*make_view(seen), 1))
+    assert [own.pixel_filter for own in asked] == ["CENTER", "BOX", "BOX"]
 
 
 def standing_view():
@@ -176,7 +177,8 @@ def test_a_view_is_denoised_otherwise_without_a_new_picture(seen, monkeypatch):
     told, view = [], standing_view()
     view.thread.denoise = lambda denoising, start: told.append((denoising.settings, start))
     monkeypatch.setattr(viewport, "_replace", lambda scene, **changes: scene)
-    scene, camera, own = object(), view_camera(*make_view(seen), 1), seen.iwis.viewport
+    scene = SimpleNamespace(shaders=None)
+    camera, own = view_camera(*make_view(seen), 1), seen.iwis.viewport
     for change, restarts in (
         ({}, 1),
         ({"denoise_quality": "FAST"}, 1),  # off: nobody asks

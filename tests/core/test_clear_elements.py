@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-import iwis.core.scene_rays as scene_rays
+import iwis.core.ray_masks as ray_masks
 from iwis.core.program import Closure, Program
 from iwis.core.scene import BLACK, GGX, ROUND
 from support.programs import with_programs
@@ -42,7 +42,7 @@ def test_camera_sees_through_a_point_by_its_front_alone(pixel_filter, is_point):
 def test_shadow_of_an_element_is_that_of_one_face(way, monkeypatch):
     """Under a slab that is one, as wide as the sky: its color once, of which .5 is reflected."""
     if way == "hit by hit":
-        monkeypatch.setattr(scene_rays, "can_filter", lambda: False)
+        monkeypatch.setattr(ray_masks, "can_filter", lambda: False)
     camera = camera_at((0.0, 0.0, 0.6), (0.0, 0.01, 0.0), 6, 6, 0.6)
     slab = box((-500.0, -500.0, 1.0), (500.0, 500.0, 1.1))
     half = diffuse((0.5, 0.5, 0.5))
