@@ -18,18 +18,8 @@ from .scene import Scene
 from .shading import ShadingPoints
 from .subsurface import Media, Medium, medium_of
 from .turns import aside
-from .walk_steps import (
-    PLANNED,
-    Meet,
-    Walkers,
-    enter,
-    go_on,
-    look_on,
-    new_meet,
-    seed_states,
-    sort_ends,
-    wander,
-)
+from .walk_steps import enter, go_on, look_on, sort_ends, wander
+from .walkers import PLANNED, Meet, Walkers, new_meet, seed_states
 
 # Objects in the way, and the surface that a walk begins on, which it may meet at once.
 _MOST_OTHERS = 16

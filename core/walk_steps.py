@@ -10,7 +10,6 @@ knows of too. So do Cycles' walks.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -27,82 +26,15 @@ from .microfacet import (
     sample_ggx_visible_normal,
     to_world,
 )
+from .walkers import next_number
 
 MOST_STEPS = 256
 # From this step on the medium scatters evenly, and less.
 _SIMILAR = 10
-# Numbers of a walk for its entry, for two ways and the scattering between them.
-PLANNED = 10
 _FAINT = np.float32(1e-6)
 _EVEN = np.float32(1e-3)  # anisotropy
 _LATER_GUIDED = np.float32(0.75)
 _PER_SPHERE = np.float32(0.25 / math.pi)
-_TO_UNIT = np.float32(2.0**-24)
-
-
-class Walkers(NamedTuple):
-    """Walks of n points: where, whereto, what is left, and the normal where they have entered,
-    float32 (n, 3); of their last scattering, float32 (n, 3): how often such are guided, the density
-    of that over the medium's own, and how far it stretches a way's extinction; the state of random
-    numbers, uint64 (n,); the first ones, float32 (n, PLANNED), that cover evenly what a pixel's
-    walks do, and how many of these are used up, int32 (n,); the triangle where they have entered
-    and its object, and the ways that they have gone, int32 (n,)."""
-
-    position: np.ndarray
-    direction: np.ndarray
-    throughput: np.ndarray
-    outward: np.ndarray
-    guide: np.ndarray
-    state: np.ndarray
-    planned: np.ndarray
-    used: np.ndarray
-    triangle: np.ndarray
-    entered: np.ndarray
-    steps: np.ndarray
-
-
-class Meet(NamedTuple):
-    """What walkers meet: Embree's face, instance, u and v; and how far they would have gone."""
-
-    face: np.ndarray
-    instance: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-    way: np.ndarray
-
-
-def new_meet(n: int) -> Meet:
-    """Room for what n walkers meet."""
-    numbers = (np.empty(n, np.int32) for _ in range(2))
-    return Meet(*numbers, *(np.empty(n, np.float32) for _ in range(3)))
-
-
-@kernel(forceinline=True)
-def _random(walkers, w):
-    """The next number of a walk, float32 in [0, 1): planned, or an LCG's upper bits, mixed."""
-    used = walkers.used[w]
-    if used < PLANNED:
-        walkers.used[w] = used + 1
-        return walkers.planned[w, used]
-    state = walkers.state
-    state[w] = state[w] * np.uint64(6364136223846793005) + np.uint64(1442695040888963407)
-    x = state[w]
-    x = (x ^ (x >> np.uint64(31))) * np.uint64(0x7FB5D329728EA185)
-    x ^= x >> np.uint64(33)
-    return np.float32(x >> np.uint64(40)) * _TO_UNIT
-
-
-@kernel
-def seed_states(columns, rows, number, seed, state):
-    """columns, rows, number: int64 (n,), place of the pixel in the frame and its pass."""
-    for w in range(len(state)):
-        x = np.uint64(seed)
-        for part in (columns[w], rows[w], number[w]):
-            x = (x + np.uint64(part) + np.uint64(0x9E3779B97F4A7C15)) * np.uint64(
-                0xBF58476D1CE4E5B9
-            )
-            x ^= x >> np.uint64(29)
-        state[w] = x
 
 
 @kernel
@@ -111,9 +43,9 @@ def enter(points, normal, medium, walkers, alive):
     for w in range(len(alive)):
         n, wo = normal[w], points.wo[w]
         s, t = basis((n[0], n[1], n[2]))
-        u, v = _random(walkers, w), _random(walkers, w)
+        u, v = next_number(walkers, w), next_number(walkers, w)
         cos_o = dot_xyz(n, wo[0], wo[1], wo[2])
-        if _random(walkers, w) < medium.matte[w]:
+        if next_number(walkers, w) < medium.matte[w]:
             r, phi = math.sqrt(u), TWO * PI * v
             x, y, z = to_world(s, t, n, r * math.cos(phi), r * math.sin(phi), -math.sqrt(ONE - u))
         elif cos_o > ZERO:
@@ -139,7 +71,7 @@ def enter(points, normal, medium, walkers, alive):
 @kernel(forceinline=True)
 def _scattered(walkers, w, g):
     """The cosine of a scattering after [Henyey41], to the direction before."""
-    u = _random(walkers, w)
+    u = next_number(walkers, w)
     if abs(g) <= _EVEN:
         return ONE - TWO * u
     k = (ONE - g * g) / (ONE - g + TWO * g * u)
@@ -162,13 +94,13 @@ def _turn(walkers, medium, w, step):
     d, n, length = walkers.direction[w], walkers.outward[w], medium.length[w]
     before, outward = (d[0], d[1], d[2]), (n[0], n[1], n[2])
     spread = math.log((length + ONE) / (length - ONE))
-    guided = _random(walkers, w) < share
+    guided = next_number(walkers, w) < share
     if guided:
         axis = outward
-        cosine = length - (length + ONE) * math.exp(-_random(walkers, w) * spread)
+        cosine = length - (length + ONE) * math.exp(-next_number(walkers, w) * spread)
     else:
         axis, cosine = before, _scattered(walkers, w, g)
-    sine, phi = math.sqrt(max(ONE - cosine * cosine, ZERO)), TWO * PI * _random(walkers, w)
+    sine, phi = math.sqrt(max(ONE - cosine * cosine, ZERO)), TWO * PI * next_number(walkers, w)
     s, t = basis(axis)
     x, y, z = to_world(s, t, axis, sine * math.cos(phi), sine * math.sin(phi), cosine)
     scale = ONE / math.sqrt(x * x + y * y + z * z)
@@ -209,13 +141,13 @@ def _next_way(walkers, medium, w):
     if step > 0:
         guided = _turn(walkers, medium, w, step)
     p0, p1, _ = _channels(walkers.throughput, medium.albedo, w)
-    u = _random(walkers, w)
+    u = next_number(walkers, w)
     channel = 0 if u < p0 else (1 if u < p0 + p1 else 2)
     extinction, _ = _extinction(medium, w, channel, step)
     if guided:
         extinction *= walkers.guide[w, 2]
     walkers.steps[w] = step + 1
-    return -math.log(ONE - _random(walkers, w)) / extinction
+    return -math.log(ONE - next_number(walkers, w)) / extinction
 
 
 @kernel(forceinline=True)
