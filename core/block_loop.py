@@ -41,7 +41,7 @@ from .stop_rule import (
 )
 from .unbiased import Task, Work, new_work, take_samples
 
-PASSES_AT_ONCE = 4  # of a cell's pixels, at the most
+PASSES_AT_ONCE = 8  # of a cell's pixels, at the most
 BLOCK_POINTS = PASSES_AT_ONCE * CELL_PX * CELL_PX
 # Samples between two looks at the flag of a cancel: some milliseconds.
 _BATCH = MOST_ORDERED

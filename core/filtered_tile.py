@@ -71,7 +71,7 @@ class FilteredTile:
         most = -(-settings.max_samples // self._batch)
         last = min(-(-samples // self._batch), most)
         while len(self._active) and self._passes < most and not self._job.stop.is_set():
-            end = min(end_of_batch(self._passes, self._sampler.together), most)
+            end = min(self._end_of_batch(self._passes), most)
             if end > last:
                 break
             taken = self._sums.passes[self._active]
@@ -161,8 +161,11 @@ class FilteredTile:
             passes = self._sums.passes[behind]
             self._passes = least = int(passes.min())
             first = behind[passes == least]
-            size = end_of_batch(least, self._sampler.together) - least
+            size = self._end_of_batch(least) - least
             self._take(first, np.minimum(wanted[first] - least, size))
+
+    def _end_of_batch(self, passes: int) -> int:
+        return end_of_batch(passes, self._sampler.together, self._job.first_passes)
 
     def _take(self, pixels: np.ndarray, counts: np.ndarray) -> bool:
         """The next ``counts`` shading points, int32, of each of the pixels, int32 by cells.
@@ -197,7 +200,7 @@ class FilteredTile:
         """The pixels' next rays; the first passes look through the pixels around the tile too."""
         if self._passes < PILOT:
             around = np.flatnonzero(self._cell < 0).astype(np.int32)
-            size = end_of_batch(self._passes, self._sampler.together) - self._passes
+            size = self._end_of_batch(self._passes) - self._passes
             pixels = np.append(pixels, around)
             counts = np.append(counts, np.full(len(around), size, np.int32))
         first = self._sums.passes[pixels]

@@ -5,8 +5,9 @@ one near a silhouette takes at least _SILHOUETTE / E. Else a leaf that the pilot
 lost, and one that it hit would not be: thin leaves before the sky came out half as dark.
 
 Points of several passes that are alike share a product (like_products.py), so passes are taken
-together: the first ones alone, for a picture at once, later ones by four. Which passes are taken
-together is the same however often a tile pauses, and so is the picture.
+together: a window's first ones alone, for a picture at once, a render's by four, later ones by
+eight. Which passes are taken together is the same however often a tile pauses, and so is the
+picture.
 """
 
 from __future__ import annotations
@@ -22,12 +23,12 @@ from .stop_rule import FLOOR, plan_counts, threshold_of, typical_count
 _SILHOUETTE = 1.2
 
 
-def end_of_batch(passes: int, together: int) -> int:
-    """Where passes that are taken at once end, after so many: 1, 2, 4, 8, 12, 16 ... for 4.
+def end_of_batch(passes: int, together: int, first: int = PILOT) -> int:
+    """Where passes that are taken at once end, after so many: 4, 8, 16, 24 ... for 8 and 4.
 
-    together: 1 or a power of two, the most that are taken at once
+    together, first: 1 or powers of two, the most that are taken at once, and how many at first
     """
-    size = min(together, 1 << (max(passes, 1).bit_length() - 1))
+    size = min(together, max(first, 1 << (max(passes, 1).bit_length() - 1)))
     return (passes // size + 1) * size
 
 

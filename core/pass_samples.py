@@ -13,7 +13,7 @@ from .guide import new_guides
 from .incremental import PixelSums, new_sums
 from .light_groups import TileGroups
 from .merged_layers import merge_layers
-from .pass_rays import samples_of_a_pass
+from .pass_rays import PILOT, samples_of_a_pass
 from .pass_sums import PassSums, add_seen
 from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .scene import HOLDOUT, SHADOW_CATCHER
@@ -50,7 +50,9 @@ class PassSampler:
         self.groups, self.surface = TileGroups(job.scene, n), SurfacePasses(job.scene, n)
         self._batch = samples_of_a_pass(job.settings, job.scene.camera)
         alone = job.settings.stop_rule == "PAPER"
-        self.together = 1 if alone else PASSES_AT_ONCE
+        # Four passes are one in each quarter of the shutter's time (pass_rays.pass_slices).
+        most = PILOT if job.slices else PASSES_AT_ONCE
+        self.together = 1 if alone else most
         self.traced = 0
 
     def look_at(self, job: Job) -> None:

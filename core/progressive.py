@@ -133,7 +133,8 @@ def render_progressive(
             accel = cache.rays(scene, stop.is_set)  # another one where objects have moved
         except Cancelled:
             return
-        job = Job(scene, settings, accel, light, None, _points(settings), stop, seen)
+        points = _points(settings)
+        job = Job(scene, settings, accel, light, None, points, stop, seen, first_passes=1)
         _Rounds(job, last, show, denoiser or ViewDenoiser()).run()
 
 

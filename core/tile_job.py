@@ -27,6 +27,7 @@ from .lobes import DIFFUSE_LOBE
 from .neighbours import CELL_PX, find_neighbours, long_blocks
 from .paper import PaperSampler
 from .paper_tables import PaperTables
+from .pass_rays import PILOT
 from .rows import any_in_row, row_and_column
 from .sample_plan import Demand
 from .scene import Camera, Scene
@@ -49,6 +50,7 @@ class Job:
     sequence: uint32 (max_samples, 2), of sequence.common_points
     backdrop: of Scene.backdrop; None where there is none
     slices: the same at each slice of the shutter's time, where objects move
+    first_passes: of a pixel filter, taken at once before there is a picture (pass_plan.py)
     """
 
     scene: Scene
@@ -60,6 +62,7 @@ class Job:
     stop: StopFlag
     backdrop: Backdrop | None = None
     slices: tuple[Job, ...] = ()
+    first_passes: int = PILOT
 
     @property
     def seen_world(self) -> Backdrop:

@@ -8,7 +8,7 @@ import pytest
 from iwis.core import pass_plan
 from iwis.core.film import LAYERS
 from iwis.core.filtered_tile import FilteredTile
-from iwis.core.pass_rays import samples_of_a_pass
+from iwis.core.pass_rays import PILOT, samples_of_a_pass
 from iwis.core.settings import RenderSettings
 from iwis.core.tile_job import Rect
 from support.scenes import (
@@ -162,10 +162,12 @@ def test_a_border_is_a_part_of_the_whole(region):
     _assert_same(part, {name: layer[y0:y1, x0:x1] for name, layer in whole.items()})
 
 
+@pytest.mark.parametrize("first", [1, PILOT])
 @pytest.mark.parametrize("rule", ["FIXED", "PAPER", "PERCEPTUAL"])
-def test_a_tile_that_pauses_ends_with_the_same_bits(rule):
-    """Advanced by 8 samples at a time, developed in between."""
+def test_a_tile_that_pauses_ends_with_the_same_bits(rule, first):
+    """Advanced by 8 samples at a time, developed in between: a window's, and a render's."""
     job = make_job(varied_scene(), stop_rule=rule, **FILTERED)
+    job = dataclasses.replace(job, first_passes=first)
     once, often = (FilteredTile(job, Rect(8, 4, 20, 16)) for _ in range(2))
     assert once.advance(40)
     for samples in range(8, 41, 8):
@@ -258,9 +260,9 @@ def test_edges_take_more_samples_and_reach_the_error():
 
 def test_passes_that_are_cut_short_do_not_count():
     """A tile that is stopped in a batch shows the passes before it."""
-    job = make_job(varied_scene(), stop_rule="FIXED", **FILTERED)
+    job = make_job(varied_scene(), stop_rule="FIXED", **FILTERED | {"max_samples": 64})
     work = FilteredTile(job, Rect(8, 4, 20, 16))
-    work.advance(16)
+    work.advance(32)
     before, gather = work.develop().layers, work._sampler.gather
 
     def stopped(*points):
@@ -269,6 +271,6 @@ def test_passes_that_are_cut_short_do_not_count():
         return found
 
     work._sampler.gather = stopped
-    assert not work.advance(40)
+    assert not work.advance(64)
     _assert_same(work.develop().layers, before)
-    assert before["samples"].max() == 16
+    assert before["samples"].max() == 32

@@ -29,29 +29,32 @@ from support.scenes import (
 FILTERED = {"pixel_filter": "BLACKMAN_HARRIS", "threads": 1}
 
 
-def _ends(together, most):
+def _ends(together, most, first=PILOT):
     """Where batches end, from the first pass on."""
     passes, ends = 0, []
     while passes < most:
-        passes = end_of_batch(passes, together)
+        passes = end_of_batch(passes, together, first)
         ends.append(passes)
     return ends
 
 
-def test_first_passes_are_taken_alone():
+def test_a_windows_first_passes_are_taken_alone():
     """A picture is there at once, and a pilot ends where it is decided upon."""
-    assert _ends(4, 20) == [1, 2, 4, 8, 12, 16, 20]
+    assert _ends(8, 32) == [4, 8, 16, 24, 32]
+    assert _ends(8, 24, first=1) == [1, 2, 4, 8, 16, 24]
+    assert _ends(4, 16, first=1) == [1, 2, 4, 8, 12, 16]
     assert _ends(1, 6) == [1, 2, 3, 4, 5, 6]
     assert PILOT in _ends(PASSES_AT_ONCE, 8)
     assert CELL_PX**2 * PASSES_AT_ONCE <= BLOCK_POINTS
 
 
+@pytest.mark.parametrize("first", [1, PILOT])
 @pytest.mark.parametrize("passes", range(30))
-def test_batches_end_at_the_same_passes_wherever_they_begin(passes):
+def test_batches_end_at_the_same_passes_wherever_they_begin(passes, first):
     """So pixels of a budget that have fallen behind come back into step."""
-    end = end_of_batch(passes, 4)
-    assert passes < end <= passes + 4
-    assert end in _ends(4, 40)
+    end = end_of_batch(passes, PASSES_AT_ONCE, first)
+    assert passes < end <= passes + PASSES_AT_ONCE
+    assert end in _ends(PASSES_AT_ONCE, 40, first)
 
 
 def test_every_pixel_takes_its_own_next_passes():
@@ -128,9 +131,8 @@ LAMPS = [{"kind": SPHERE, "position": (1.0, 1.0, 2.0), "size": (0.3, 0.0)}]
         (64, {}),
         (90, {"asked": AskedPasses(occlusion_distance=0.5)}),
         (64, {"lamps": make_lamps([row | {"radiance": (5.0, 4.0, 3.0)} for row in LAMPS])}),
-        (64, {"object_flags": np.uint8([PLAIN | SHADOW_CATCHER, PLAIN])}),
     ],
-    ids=["world", "occlusion", "lamps", "catcher"],
+    ids=["world", "occlusion", "lamps"],
 )
 def test_passes_at_once_are_the_passes_one_by_one(monkeypatch, most, fields):
     """The same rays and samples; learnt gains are multiplied in steps, so not the same bits."""
@@ -146,6 +148,24 @@ def test_passes_at_once_are_the_passes_one_by_one(monkeypatch, most, fields):
     # A direction that has moved by a rounding may pass an edge: one sample of ``most``.
     assert same.all(axis=-1).mean() > 0.9
     assert difference.max() <= 4.0 / most * alone["combined"].max()
+
+
+def test_catchers_passes_at_once_are_as_good_as_one_by_one(monkeypatch):
+    """Catchers share their cells' guides, which learn of the plate's passes first, and so of other
+    rays: the picture has another noise, as much of it, and the same mean."""
+    fields = {"object_flags": np.uint8([PLAIN | SHADOW_CATCHER, PLAIN])}
+    settings = FILTERED | {"stop_rule": "FIXED", "max_samples": 256}
+    once, _ = make_picture(_plates(**fields), **settings)
+    monkeypatch.setattr(pass_samples, "PASSES_AT_ONCE", 1)
+    alone, _ = make_picture(_plates(**fields), **settings)
+    for name in ("samples", "sample_count", "normal", "diffuse_color"):
+        np.testing.assert_allclose(once[name], alone[name], rtol=1e-5, atol=1e-6, err_msg=name)
+    monkeypatch.undo()
+    other, _ = make_picture(_plates(**fields), **settings | {"seed": 1})
+    noise = np.abs(other["shadow_catcher"] - once["shadow_catcher"]).mean()
+    assert 0.0 < np.abs(alone["shadow_catcher"] - once["shadow_catcher"]).mean() < 1.2 * noise
+    means = [picture["shadow_catcher"].mean() for picture in (once, alone)]
+    assert means[0] == pytest.approx(means[1], rel=0.002)  # of 384 pixels, 256 samples each
 
 
 def _together(scene, **settings):
