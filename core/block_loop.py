@@ -42,13 +42,14 @@ from .stop_rule import (
 from .unbiased import Task, Work, new_work, take_samples
 
 PASSES_AT_ONCE = 8  # of a cell's pixels, at the most
-BLOCK_POINTS = PASSES_AT_ONCE * CELL_PX * CELL_PX
+CELL_POINTS = CELL_PX * CELL_PX
+BLOCK_POINTS = PASSES_AT_ONCE * CELL_POINTS
 # Samples between two looks at the flag of a cancel: some milliseconds.
 _BATCH = MOST_ORDERED
 
 
 class Room(NamedTuple):
-    """Scratch of a thread for blocks of up to BLOCK_POINTS points.
+    """Scratch of a thread for blocks of up to n points.
 
     near, group: of Neighbours; slots: of fill_neighbours
     wanted, active, some, counts, used: int32 (n,); rays: without room, for take_samples
@@ -69,9 +70,8 @@ class Room(NamedTuple):
     rays: RayBatch
 
 
-def new_room(glossy: bool) -> Room:
-    """glossy: whether any of the points has a lobe beside Lambert's."""
-    n = BLOCK_POINTS
+def new_room(glossy: bool, n: int = BLOCK_POINTS) -> Room:
+    """glossy: whether any of the points has a lobe beside Lambert's; n: points of a block."""
     return Room(
         new_work(),
         new_products(n, glossy),

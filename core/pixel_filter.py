@@ -3,7 +3,7 @@
 Filter importance sampling: points are drawn in proportion to the filter, so that all have the same
 weight and none counts for another pixel (docs/decisions/0009-pixel-filter.md). The filters are
 Cycles': BOX is one pixel wide whatever the width; BLACKMAN_HARRIS reaches ``width`` pixels to
-either side.
+either side; GAUSSIAN has a standard deviation of a quarter of it, and ends at six of these.
 
 A pixel's points are the first two dimensions of Sobol's sequence, scrambled and shuffled by
 hashes [Burley20]: the shuffle keeps them apart from the points that light is sampled with.
@@ -12,6 +12,7 @@ hashes [Burley20]: the shuffle keeps them apart from the points that light is sa
 from __future__ import annotations
 
 import functools
+import math
 
 import numpy as np
 
@@ -25,6 +26,8 @@ _BITS = 4294967296.0
 FILTER, LENS, TIME, LAYERS, LAMPS = 3, 6, 9, 12, 15
 WALKS = 1 << 20  # so far above that no lamp's are there
 _CDF_NODES, _GUIDES = 4097, 4096
+# How far filters reach to either side, in widths; GAUSSIAN in standard deviations.
+_REACH, _SIGMAS = {"BLACKMAN_HARRIS": 1.0, "GAUSSIAN": 1.5}, 6.0
 
 
 @kernel(forceinline=True)
@@ -106,15 +109,25 @@ def unit_points(columns, rows, number, seed: int, salt: int = FILTER) -> np.ndar
 
 
 @functools.cache
-def _blackman_harris() -> tuple[np.ndarray, np.ndarray]:
-    """The window's integral at _CDF_NODES places from -1 to 1, float64 from 0 to 1; and for each of
-    _GUIDES equal parts of 0 ... 1 the last node below it, int16."""
-    v = np.pi * (np.linspace(-1.0, 1.0, _CDF_NODES) + 1.0)
-    sines = -0.48829 * np.sin(v) + 0.07064 * np.sin(2.0 * v) - 0.01168 / 3.0 * np.sin(3.0 * v)
-    cdf = (0.35875 * v + sines) / (0.35875 * 2.0 * np.pi)
+def _integral(kind: str) -> tuple[float, np.ndarray, np.ndarray]:
+    """How far a filter reaches, in its widths; its integral at _CDF_NODES places over that, float64
+    from 0 to 1; and for each of _GUIDES equal parts of 0 ... 1 the last node below it, int16."""
+    cdf = _blackman_harris() if kind == "BLACKMAN_HARRIS" else _gaussian()
     cdf[0], cdf[-1] = 0.0, 1.0
     guides = np.searchsorted(cdf, np.arange(_GUIDES) / _GUIDES, side="right") - 1
-    return cdf, guides.astype(np.int16)
+    return _REACH[kind], cdf, guides.astype(np.int16)
+
+
+def _gaussian() -> np.ndarray:
+    places = np.linspace(-_SIGMAS, _SIGMAS, _CDF_NODES) / math.sqrt(2.0)
+    cdf = np.array([0.5 * math.erfc(-x) for x in places])
+    return (cdf - cdf[0]) / (cdf[-1] - cdf[0])
+
+
+def _blackman_harris() -> np.ndarray:
+    v = np.pi * (np.linspace(-1.0, 1.0, _CDF_NODES) + 1.0)
+    sines = -0.48829 * np.sin(v) + 0.07064 * np.sin(2.0 * v) - 0.01168 / 3.0 * np.sin(3.0 * v)
+    return (0.35875 * v + sines) / (0.35875 * 2.0 * np.pi)
 
 
 @kernel
@@ -140,5 +153,6 @@ def filter_offsets(kind: str, width: float, points: np.ndarray) -> np.ndarray:
     if kind == "BOX":
         return points - 0.5
     out = np.empty_like(points)
-    _fill_offsets(points, width, *_blackman_harris(), out)
+    reach, *integral = _integral(kind)
+    _fill_offsets(points, reach * width, *integral, out)
     return out

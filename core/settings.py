@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 ESTIMATORS = ("PAPER", "UNBIASED")
 STOP_RULES = ("PERCEPTUAL", "PAPER", "FIXED", "BUDGET")
-PIXEL_FILTERS = ("CENTER", "BOX", "BLACKMAN_HARRIS")
+PIXEL_FILTERS = ("CENTER", "BOX", "BLACKMAN_HARRIS", "GAUSSIAN")
 DECORRELATIONS = ("OWEN", "PIXEL", "NONE")
 DENOISE_PASSES = ("NONE", "ALBEDO", "ALBEDO_NORMAL")
 DENOISE_PREFILTERS = ("NONE", "FAST", "ACCURATE")
@@ -58,9 +58,10 @@ class RenderSettings:
     time_limit: BUDGET: seconds of sampling, all that is before it (export, light, BVH, kernels)
         not counted, as Cycles means it; 0: none is set
     coefficients: fraction of the Haar coefficients that the paper's tables keep
-    pixel_filter: CENTER, one shading point at the pixel's centre; BOX or BLACKMAN_HARRIS, several,
-        each with n samples, spread as Cycles' filter of that name weighs
-    filter_width: pixels, as Cycles means them: how far BLACKMAN_HARRIS reaches to either side; BOX
+    pixel_filter: CENTER, one shading point at the pixel's centre; BOX, GAUSSIAN or BLACKMAN_HARRIS,
+        several, each with n samples, spread as Cycles' filter of that name weighs
+    filter_width: pixels, as Cycles means them: how far BLACKMAN_HARRIS reaches to either side, four
+        standard deviations of GAUSSIAN; BOX
         is one pixel wide in any case
     decorrelation: what makes the points of two pixels differ: OWEN (Sobol's sequence, scrambled by
         a hash of pixel and seed; estimator PAPER takes PIXEL instead), PIXEL (Halton's, shifted by

@@ -15,7 +15,7 @@ import numpy as np
 from . import compile_apart
 from .accel import Accel
 from .backdrop import Backdrop
-from .block_loop import Places, Room, continue_blocks, new_room
+from .block_loop import BLOCK_POINTS, CELL_POINTS, Places, Room, continue_blocks, new_room
 from .camera import CameraRays, SurfaceRays
 from .cutouts import points_through
 from .film import Tile
@@ -188,7 +188,8 @@ def _add_by_products(job, seen, places, sequence, sums, bounds, rule, guides) ->
     if not compile_apart.wait(job.stop.is_set):
         return 0
     points, lobes, _ = seen
-    room = _room(bool((lobes.kind > DIFFUSE_LOBE).any()))
+    small = int(np.diff(bounds).max(initial=0)) <= CELL_POINTS
+    room = _room(bool((lobes.kind > DIFFUSE_LOBE).any()), CELL_POINTS if small else BLOCK_POINTS)
     offset, traversal = np.float32(job.accel.offset), job.accel.traversal
     stop = job.stop.memory
     apart = apart_of(job.settings)
@@ -196,12 +197,13 @@ def _add_by_products(job, seen, places, sequence, sums, bounds, rule, guides) ->
     return continue_blocks(bounds, guides, places, *own)
 
 
-def _room(glossy: bool) -> Room:
-    """This thread's scratch: fresh memory for every tile costs as much as a sample a pixel."""
+def _room(glossy: bool, n: int) -> Room:
+    """This thread's scratch: fresh memory for every tile costs as much as a sample a pixel, and of
+    a small picture as much as the tiles."""
     rooms = vars(_kept)
-    name = "glossy" if glossy else "matte"
+    name = f"{'glossy' if glossy else 'matte'} {n}"
     if name not in rooms:
-        rooms[name] = new_room(glossy)
+        rooms[name] = new_room(glossy, n)
     return rooms[name]
 
 

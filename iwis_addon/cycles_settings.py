@@ -13,7 +13,6 @@ from .job import ENGINE
 # Both defaults: Cycles' noise threshold .01 is of the square root of light, IWIS' .1 relative.
 _THRESHOLD_FACTOR = 10.0
 _DENOISE_PASSES = {"RGB": "NONE", "RGB_ALBEDO": "ALBEDO", "RGB_ALBEDO_NORMAL": "ALBEDO_NORMAL"}
-_FILTERS = {"BOX": "BOX", "BLACKMAN_HARRIS": "BLACKMAN_HARRIS", "GAUSSIAN": "BLACKMAN_HARRIS"}
 
 
 def copy_cycles_settings(scene) -> list[str]:
@@ -35,7 +34,7 @@ def copy_cycles_settings(scene) -> list[str]:
     iwis.viewport.error_threshold = _threshold(cycles.preview_adaptive_threshold)
     iwis.seed = _within("seed", cycles.seed)
     iwis.use_animated_seed = cycles.use_animated_seed
-    iwis.pixel_filter = _FILTERS[cycles.pixel_filter_type]
+    iwis.pixel_filter = cycles.pixel_filter_type  # BOX, GAUSSIAN or BLACKMAN_HARRIS
     iwis.filter_width = _within("filter_width", cycles.filter_width)
     _copy_denoising(cycles, "", iwis)
     _copy_denoising(cycles, "preview_", iwis.viewport)

@@ -214,7 +214,7 @@ class IWIS_PT_film_pixel_filter(IWISPanel, bpy.types.Panel):
     def draw(self, context):
         column, iwis = self.split_layout().column(), context.scene.iwis
         column.prop(iwis, "pixel_filter", text="Type")
-        if iwis.pixel_filter == "BLACKMAN_HARRIS":
+        if iwis.pixel_filter in ("GAUSSIAN", "BLACKMAN_HARRIS"):
             column.prop(iwis, "filter_width", text="Width")
 
 

@@ -21,6 +21,7 @@ _CHOICE_TEXTS = {
     "BUDGET": ("Budget", "As Perceptual, until a mean count or a time is used up"),
     "CENTER": ("Center", "One shading point, at the pixel's center: no anti-aliasing"),
     "BOX": ("Box", "Box filter, one pixel wide"),
+    "GAUSSIAN": ("Gaussian", "Gaussian filter, as Cycles'"),
     "BLACKMAN_HARRIS": ("Blackman-Harris", "Blackman-Harris filter, as Cycles has it by default"),
     "OWEN": ("Scrambled", "Each pixel scrambles the points anew: the least noise"),
     "PIXEL": ("Shifted", "Each pixel shifts the paper's points"),

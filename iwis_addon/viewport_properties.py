@@ -51,6 +51,7 @@ class IWISViewportProperties(bpy.types.PropertyGroup):
             ("CENTER", "Center", "One shading point, at the pixel's center: no anti-aliasing"),
             ("BOX", "Box", "Box filter, one pixel wide"),
             ("BLACKMAN_HARRIS", "Blackman-Harris", "As Cycles has it by default"),
+            ("GAUSSIAN", "Gaussian", "Gaussian filter, as Cycles'"),
         ],
         default="CENTER",
         update=_redraw_views,

@@ -55,7 +55,9 @@ def _as_rgb(pictures):
 
 @pytest.mark.slow
 @pytest.mark.statistical
-@pytest.mark.parametrize(("kind", "width"), [("BLACKMAN_HARRIS", 2.5), ("BOX", 1.5)])
+@pytest.mark.parametrize(
+    ("kind", "width"), [("BLACKMAN_HARRIS", 2.5), ("BOX", 1.5), ("GAUSSIAN", 2.5)]
+)
 def test_filters_are_those_of_cycles(kind, width):
     """Light and alpha differ by what the noise of both explains, and have no sign."""
     scene = _leaves()

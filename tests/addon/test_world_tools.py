@@ -63,6 +63,14 @@ def test_cycles_settings_are_taken_over(scene):
     assert iwis.error_threshold == pytest.approx(RenderSettings().error_threshold)
     assert (iwis.max_samples, iwis.seed, iwis.pixel_filter) == (300, 7, "BOX")
     assert iwis.use_animated_seed and iwis.stop_rule == "PERCEPTUAL"
+    kinds = {
+        item.identifier for item in scene.cycles.bl_rna.properties["pixel_filter_type"].enum_items
+    }
+    for kind in kinds:
+        scene.cycles.pixel_filter_type = kind
+        copy_cycles_settings(scene)
+        assert iwis.pixel_filter == kind
+    assert len(kinds) == 3
     scene.cycles.use_adaptive_sampling = False
     assert bpy.ops.iwis.copy_cycles_settings() == {"FINISHED"}
     assert iwis.stop_rule == "FIXED"

@@ -1,6 +1,7 @@
 """core/filtered_tile.py: pictures whose pixels average several shading points."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -57,10 +58,15 @@ def _blackman_harris_cdf(width):
     return lambda x: np.interp(x / width, place, cdf)
 
 
+def _gaussian_cdf(width):
+    return np.vectorize(lambda x: 0.5 * math.erfc(-4.0 * x / width / math.sqrt(2.0)))
+
+
 FILTERS = {
     "box": ({"pixel_filter": "BOX", "filter_width": 1.0}, _box_cdf),
     "box is one pixel wide": ({"pixel_filter": "BOX", "filter_width": 3.0}, _box_cdf),
     "as cycles": ({"pixel_filter": "BLACKMAN_HARRIS"}, _blackman_harris_cdf(1.5)),
+    "gaussian": ({"pixel_filter": "GAUSSIAN"}, _gaussian_cdf(1.5)),
     "narrow": ({"pixel_filter": "BLACKMAN_HARRIS", "filter_width": 0.5}, _blackman_harris_cdf(0.5)),
     "wide": ({"pixel_filter": "BLACKMAN_HARRIS", "filter_width": 10.0}, _blackman_harris_cdf(10.0)),
 }

@@ -78,6 +78,20 @@ def test_blackman_harris_reaches_its_width(width):
     np.testing.assert_allclose(offsets[::-1], -offsets, atol=1e-9)
 
 
+@pytest.mark.parametrize("width", [0.01, 1.5, 10.0])
+def test_gaussian_has_four_deviations_to_its_width(width):
+    """Shares of places as the normal distribution has them; the last at six deviations."""
+    u = (np.arange(100_000) + 0.5) / 100_000
+    offsets = filter_offsets("GAUSSIAN", width, np.stack([u, u[::-1]], -1)) * (4.0 / width)
+    for axis in range(2):
+        assert offsets[:, axis].std() == pytest.approx(1.0, abs=1e-3)
+        for place, share in ((-2.0, 0.02275), (-1.0, 0.15866), (0.5, 0.69146), (3.0, 0.99865)):
+            assert (offsets[:, axis] < place).mean() == pytest.approx(share, abs=2e-5)
+    ends = filter_offsets("GAUSSIAN", width, np.array([[0.0, 1.0 - 2.0**-32]])) * (4.0 / width)
+    assert ends[0, 0] == pytest.approx(-6.0) and 5.0 < ends[0, 1] <= 6.0
+    np.testing.assert_allclose(offsets[::-1], -offsets, atol=1e-6)
+
+
 def test_box_is_a_pixel_wide_and_center_has_no_width():
     """As in Cycles, whatever the width."""
     points = _points(16, [3], [4])[:, 0]
