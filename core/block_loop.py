@@ -148,6 +148,7 @@ def _sums_at(sums, a, b):
         sums.unoccluded[a:b],
         sums.seen[a:b],
         sums.seen_squared[a:b],
+        sums.hue[a:b],
         sums.error[a:b],
     )
 

@@ -14,8 +14,8 @@ import numpy as np
 from .backdrop import Backdrop
 from .cutouts import in_holes, opacity_of
 from .incremental import PixelSums
+from .luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .pass_sums import PassSums, add_background, add_seen, new_pass_sums
-from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .scene import HOLDOUT, SHADOW_CATCHER, Scene
 from .shading import ShadingPoints
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from ._jit import kernel
 from .environment import eval_map, map_coordinates
-from .pyramid import luminance, row_column_to_morton
+from .luminance import luminance
+from .pyramid import row_column_to_morton
 
 LARGEST = np.float32(1e17)  # its square is still a float32
 _MOST_PARTS = 16  # of a cell's side

@@ -29,7 +29,7 @@ from .tile_lamps import TileLamps
 
 
 class CenterTile:
-    """One shading point a pixel (tile_job.TileWork); 236 bytes a pixel between calls.
+    """One shading point a pixel (tile_job.TileWork); 244 bytes a pixel between calls.
 
     Where pixels tell of each other (PERCEPTUAL, guides), the work is at whole cells, of which
     ``develop`` cuts the tile: a picture does not depend on its border.

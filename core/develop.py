@@ -13,8 +13,8 @@ from .cutouts import opacity_of
 from .film import NO_DEPTH, new_layers
 from .incremental import PixelSums
 from .lobes import Lobes
+from .luminance import luminance
 from .pass_sums import PassSums
-from .pyramid import luminance
 from .rows import any_in_row
 from .scene import Scene
 from .shading import ShadingPoints

@@ -41,7 +41,7 @@ from .tile_job import (
 
 
 class FilteredTile:
-    """Several shading points a pixel (tile_job.TileWork); 284 bytes a pixel between calls.
+    """Several shading points a pixel (tile_job.TileWork); 292 bytes a pixel between calls.
 
     The work is at whole cells of the frame (neighbours.py), of which ``develop`` cuts the tile:
     their guides learn from all passes. Arrays are over these cells and one pixel around them, row

@@ -15,8 +15,8 @@ import numpy as np
 
 from ._jit import kernel
 from .accel import Accel
+from .luminance import chroma, luminance
 from .neighbours import Neighbours, no_neighbours
-from .pyramid import luminance
 from .settings import RenderSettings
 from .stop_rule import (
     Rule,
@@ -54,6 +54,7 @@ class PixelSums(NamedTuple):
     diffuse, glossy: float64 (n, 3), sums of the light that was seen
     unoccluded: float64 (n, 3), sum of all light, seen or not
     seen, seen_squared: float64 (n,), sums of f_i and f_i^2
+    hue: float64 (n,), sum of luminance.chroma of the light that was seen
     error: float32 (n,), e_d, or what the stop rule puts in its place
     """
 
@@ -64,6 +65,7 @@ class PixelSums(NamedTuple):
     unoccluded: np.ndarray
     seen: np.ndarray
     seen_squared: np.ndarray
+    hue: np.ndarray
     error: np.ndarray
 
 
@@ -91,8 +93,7 @@ def new_sums(n: int) -> PixelSums:
         np.zeros((n, 3)),
         np.zeros((n, 3)),
         np.zeros((n, 3)),
-        np.zeros(n),
-        np.zeros(n),
+        *(np.zeros(n) for _ in range(3)),
         np.full(n, np.inf, np.float32),
     )
 
@@ -115,15 +116,13 @@ def _add_rays(rays, n_rays, occluded, sums):
         seen = not occluded[k]
         if seen:
             sums.visible[p] += 1
-            light = np.float64(
-                luminance(
-                    rays.diffuse[k, 0] + rays.glossy[k, 0],
-                    rays.diffuse[k, 1] + rays.glossy[k, 1],
-                    rays.diffuse[k, 2] + rays.glossy[k, 2],
-                )
-            )
+            red = rays.diffuse[k, 0] + rays.glossy[k, 0]
+            green = rays.diffuse[k, 1] + rays.glossy[k, 1]
+            blue = rays.diffuse[k, 2] + rays.glossy[k, 2]
+            light = np.float64(luminance(red, green, blue))
             sums.seen[p] += light
             sums.seen_squared[p] += light * light
+            sums.hue[p] += np.float64(chroma(red, green, blue))
         for a in range(3):
             diffuse, glossy = np.float64(rays.diffuse[k, a]), np.float64(rays.glossy[k, a])
             sums.unoccluded[p, a] += diffuse + glossy

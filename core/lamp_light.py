@@ -25,9 +25,9 @@ from .lamp_shapes import meet_lamp, sample_lamp
 from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, Lamps
 from .lobes import DIFFUSE_LOBE, Lobes
 from .lobes_at import lobes_at
+from .luminance import luminance
 from .microfacet import MIN_ALPHA
 from .pixel_filter import LAMPS, point_of_pixel
-from .pyramid import luminance
 from .scene import ROUND
 from .shading import ShadingPoints
 from .turns import aside

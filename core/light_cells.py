@@ -16,14 +16,8 @@ import numpy as np
 from ._jit import kernel
 from .cell_lookup import LARGEST, look_up_cell, look_up_cells
 from .environment import EnvironmentLookup, eval_map, fast_atan2
-from .pyramid import (
-    LUMINANCE_B,
-    LUMINANCE_G,
-    LUMINANCE_R,
-    WHOLE_LEVELS,
-    level_offset,
-    luminance,
-)
+from .luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R, luminance
+from .pyramid import WHOLE_LEVELS, level_offset
 
 _MAX_LEVEL = 11
 _TEXELS_A_CELL = 2.2  # along a side, so that a texel's light never reaches over a whole cell

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .luminance import luminance
 from .microfacet import HALF, ONE, QUARTER, ZERO
-from .pyramid import luminance
 from .sphere_map import CELL_REACH
 
 _TINY = np.float32(1e-6)

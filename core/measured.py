@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from ._jit import kernel
+from .luminance import luminance
 from .merl import eval_merl, read_merl
 from .microfacet import ggx_d, ggx_lambda
-from .pyramid import luminance
 from .scene import (
     FIT_ALBEDO,
     FIT_ALPHA,

@@ -8,18 +8,20 @@ import numpy as np
 
 from ._jit import kernel
 from .incremental import PixelSums, new_sums
+from .neighbours import reflected_chroma
 from .seen_points import ClosureLayer, SeenPoints
 from .sheen import diffuse_color
 
 
 class _Merged(NamedTuple):
-    """Of n points; mean, variance, wrong: float64 (n,), of the light, its square's error, and what
-    the errors are of it, squared; diffuse, glossy_color: float32 (n, 3)."""
+    """Of n points; mean, variance, wrong, hue: float64 (n,), of the light, its square's error, what
+    the errors are of it, squared, and of color; diffuse, glossy_color: float32 (n, 3)."""
 
     sums: PixelSums
     mean: np.ndarray
     variance: np.ndarray
     wrong: np.ndarray
+    hue: np.ndarray
     diffuse: np.ndarray
     glossy_color: np.ndarray
 
@@ -43,6 +45,8 @@ def _add_layer(of, lobes, own, merged):
         spread = max(own.seen_squared[k] - own.seen[k] * light, 0.0)
         merged.mean[p] += light
         merged.variance[p] += spread * inverse / max(count - 1, 1)
+        hue = max(own.hue[k] - reflected_chroma(own, k) * inverse, 0.0)
+        merged.hue[p] += hue * inverse / max(count - 1, 1)
         error = own.error[k] * light if np.isfinite(own.error[k]) else 0.0
         merged.wrong[p] += error * error
 
@@ -59,6 +63,7 @@ def _close(merged):
             whole.unoccluded[p, a] *= count
         whole.seen[p] = mean * count
         whole.seen_squared[p] = (merged.variance[p] * (count - 1) + mean * mean) * count
+        whole.hue[p] = merged.hue[p] * (count - 1) * count + reflected_chroma(whole, p) / count
         whole.error[p] = np.sqrt(merged.wrong[p]) / mean if mean > 0.0 else 0.0
 
 
@@ -73,7 +78,7 @@ def merge_layers(layers: list[ClosureLayer], sums: list[PixelSums]) -> tuple[See
     if len(layers) == 1:
         return first, sums[0]
     n = len(first.rows)
-    numbers = (np.zeros(n) for _ in range(3))
+    numbers = (np.zeros(n) for _ in range(4))
     colors = (np.zeros((n, 3), np.float32) for _ in range(2))
     merged = _Merged(new_sums(n), *numbers, *colors)
     for layer, own in zip(layers, sums, strict=True):

@@ -6,10 +6,11 @@ stops when it has been lucky comes out too bright. So its own samples weigh a qu
 pixel beside it, and what all the cell saw of the same material stands in where no pixel around
 shows the same surface.
 
-    r^2 = (p (1 - p) + s^2 p) / (p + floor)^2
+    r^2 = (p (1 - p) + (s^2 + HUE h^2) p) / (p + floor)^2
 
-p: visibility; s: relative spread of the samples that were seen; floor: of the dark, below which a
-visibility is not worth chasing. All are over the samples of the pixels' sums, pooled.
+p: visibility; s, h: relative spread of the samples that were seen, of their luminance and of their
+color (luminance.chroma); floor: of the dark, below which a visibility is not worth chasing. All are
+over the samples of the pixels' sums, pooled.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .luminance import chroma
 
 # Points that are sampled together where rays are written: a batch is long enough for Embree.
 _RAY_POINTS = 256
@@ -27,6 +29,7 @@ CELL_PX = 8  # points tell of each other inside aligned squares of the frame, wh
 _OWN, _BESIDE, _DIAGONAL = 0.25, 0.61, 0.37
 _CELL_SAMPLES = 8.0  # what all of the cell says counts as that many samples
 _SAME_SURFACE = 0.8  # cosine between two normals
+HUE = 1.0  # what noise of color counts beside that of luminance, squared
 
 
 class Neighbours(NamedTuple):
@@ -119,11 +122,21 @@ def no_neighbours(n: int) -> Neighbours:
     return Neighbours(np.full((n, 8), -1, np.int32), np.arange(n, dtype=np.int32))
 
 
+@kernel(forceinline=True)
+def reflected_chroma(sums, p):
+    """Chroma of the sums of light that row p of PixelSums, or of PassSums, reflects."""
+    return chroma(
+        sums.diffuse[p, 0] + sums.glossy[p, 0],
+        sums.diffuse[p, 1] + sums.glossy[p, 1],
+        sums.diffuse[p, 2] + sums.glossy[p, 2],
+    )
+
+
 @kernel
 def _sum_groups(sums, neighbours, totals, scatter):
     """totals: float64 (n, 4), of each group: visible, count, scatter, its degrees of freedom.
 
-    scatter: float64 (n,), sum over a point's seen samples of (f / their mean - 1)^2
+    scatter: float64 (n,), sum over a point's seen samples of (f / their mean - 1)^2, and of color
     """
     totals[:] = 0.0
     for p in range(len(sums.count)):
@@ -131,7 +144,9 @@ def _sum_groups(sums, neighbours, totals, scatter):
         scatter[p] = 0.0
         if visible > 1.0 and sums.seen[p] > 0.0:
             mean = sums.seen[p] / visible
-            scatter[p] = max(sums.seen_squared[p] / (mean * mean) - visible, 0.0)
+            spread = max(sums.seen_squared[p] - sums.seen[p] * mean, 0.0)
+            hue = max(sums.hue[p] - reflected_chroma(sums, p) / visible, 0.0)
+            scatter[p] = (spread + HUE * hue) / (mean * mean)
         totals[g, 0] += visible
         totals[g, 1] += sums.count[p]
         totals[g, 2] += scatter[p]

@@ -14,8 +14,8 @@ import numpy as np
 from ._jit import kernel
 from .haar_product import MAX_COMMON, build_product_tree, count_common, product_integral
 from .lobes import MEASURED_LOBE
+from .luminance import luminance
 from .paper_tables import N_PARTS
-from .pyramid import luminance
 from .sphere_map import hemisphere_to_square, sphere_to_square
 from .tables import SIDE
 

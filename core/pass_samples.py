@@ -12,10 +12,10 @@ from .catchers import CaughtPasses, has_role, plays
 from .guide import new_guides
 from .incremental import PixelSums, new_sums
 from .light_groups import TileGroups
+from .luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .merged_layers import merge_layers
 from .pass_rays import PILOT, samples_of_a_pass
 from .pass_sums import PassSums, add_seen
-from .pyramid import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .scene import HOLDOUT, SHADOW_CATCHER
 from .seen_points import ClosureLayer, SeenPoints, with_all_lobes
 from .shading import ShadingPoints

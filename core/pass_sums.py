@@ -1,10 +1,10 @@
 """What is known of the pixels of a tile after some passes, and the error of it.
 
-A pass adds one shading point to a pixel. The error is that of the pixel's luminance: the spread of
-its passes, which knows of edges, pooled with what the samples inside the passes say of it, so that
-four passes that agree by chance are not taken for certain. Points and samples are low-discrepancy
-sequences: their mean converges faster than independent numbers (docs/decisions/0009-pixel-filter.md
-has the measured exponent).
+A pass adds one shading point to a pixel. The error is that of the pixel's luminance and color: the
+spread of its passes, which knows of edges, pooled with what the samples inside the passes say of
+it, so that four passes that agree by chance are not taken for certain. Points and samples are
+low-discrepancy sequences: their mean converges faster than independent numbers
+(docs/decisions/0009-pixel-filter.md has the measured exponent).
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ import numpy as np
 from ._jit import kernel
 from .incremental import PixelSums
 from .lobes import Lobes
-from .pyramid import luminance
+from .luminance import luminance
+from .neighbours import HUE, reflected_chroma
 from .sheen import diffuse_color
 
 # The squared error of a mean of P passes falls as P^-1.3.
@@ -26,7 +27,7 @@ _PRIOR_PASSES = 2.0
 
 
 class PassSums(NamedTuple):
-    """Sums over the passes of each pixel; 140 bytes a pixel.
+    """Sums over the passes of each pixel; 148 bytes a pixel.
 
     passes, hits: int32 (n,), rays taken, and those that saw an object
     opaque: float32 (n,), of the other rays, those that the film does not let through: of a film
@@ -35,8 +36,9 @@ class PassSums(NamedTuple):
     count, visible: int32 (n,), shadow rays, and those that reached the light
     diffuse, glossy, unoccluded, emission, environment: float32 (n, 3), light
     diffuse_color, glossy_color, normal: float32 (n, 3)
-    error: float32 (n,), estimated relative error of the pixel's luminance
+    error: float32 (n,), estimated relative error of the pixel's light
     light, light_squared: float64 (n,), of the luminance of the passes
+    hue: float64 (n,), of luminance.chroma of what objects reflect in the passes
     noise: float32 (n,), of the squared standard error of a pass's mean, by its own samples
     """
 
@@ -56,6 +58,7 @@ class PassSums(NamedTuple):
     error: np.ndarray
     light: np.ndarray
     light_squared: np.ndarray
+    hue: np.ndarray
     noise: np.ndarray
 
 
@@ -67,8 +70,7 @@ def new_pass_sums(n: int) -> PassSums:
         *(np.zeros(n, np.int32) for _ in range(2)),
         *(np.zeros((n, 3), np.float32) for _ in range(8)),
         np.full(n, np.inf, np.float32),
-        np.zeros(n),
-        np.zeros(n),
+        *(np.zeros(n) for _ in range(3)),
         np.zeros(n, np.float32),
     )
 
@@ -99,6 +101,9 @@ def _add_seen(pixel, normal, lobes, sums, state):
         seen = sums.seen[k]
         _add_light(state, p, seen * inverse + np.float64(own))
         spread = max(sums.seen_squared[k] - seen * seen * inverse, 0.0)
+        reflected = reflected_chroma(sums, k) * inverse
+        spread += HUE * max(sums.hue[k] - reflected, 0.0)
+        state.hue[p] += reflected * inverse
         state.noise[p] += spread * inverse / max(count - 1, 1)
 
 
@@ -143,6 +148,8 @@ def _pass_variance(state, p):
     """Variance of the light of a pass, by the spread of those there are and their own noise."""
     passes, light = np.float64(state.passes[p]), state.light[p]
     spread = max(state.light_squared[p] - light * light / passes, 0.0)
+    hits = np.float64(max(state.hits[p], 1))
+    spread += HUE * max(state.hue[p] - np.float64(reflected_chroma(state, p)) / hits, 0.0)
     prior = _PRIOR_PASSES * np.float64(state.noise[p]) / passes
     return (spread + prior) / (passes - 1.0 + _PRIOR_PASSES)
 

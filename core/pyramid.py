@@ -18,7 +18,6 @@ import numpy as np
 from ._jit import kernel
 from .sphere_map import sphere_to_square
 
-LUMINANCE_R, LUMINANCE_G, LUMINANCE_B = 0.2126, 0.7152, 0.0722  # Rec.709
 WHOLE_LEVELS = 9  # 512^2 cells; the product's deepest level must be one of them
 
 
@@ -65,12 +64,6 @@ def row_column_to_morton(row, column, level):
         index |= ((column >> bit) & 1) << (2 * bit)
         index |= ((row >> bit) & 1) << (2 * bit + 1)
     return index
-
-
-@kernel(forceinline=True)
-def luminance(r, g, b):
-    """Rec.709 luminance, float32."""
-    return np.float32(LUMINANCE_R) * r + np.float32(LUMINANCE_G) * g + np.float32(LUMINANCE_B) * b
 
 
 @kernel(forceinline=True)

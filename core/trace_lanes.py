@@ -7,7 +7,7 @@ import numpy as np
 from ._jit import kernel
 from .embree_rays import ALL_COLORS, blocked_aside, occluded_lanes
 from .lanes import DIFFUSE, DX, DY, DZ, GLOSSY, LANES, OX, OY, OZ
-from .pyramid import luminance
+from .luminance import chroma, luminance
 
 _ZERO, _FOREVER = np.float32(0.0), np.float32(np.inf)
 _LAST = 2 * LANES
@@ -107,6 +107,7 @@ def add_lanes(lanes, n, sums):
             sums.visible[p] += 1
             sums.seen[p] += light
             sums.seen_squared[p] += light * light
+            sums.hue[p] += np.float64(chroma(r, g, b))
             sums.diffuse[p, 0] += np.float64(dr)
             sums.diffuse[p, 1] += np.float64(dg)
             sums.diffuse[p, 2] += np.float64(db)

@@ -22,7 +22,8 @@ from .incremental import PixelSums, RayBatch, continue_points
 from .light_rays import Light, write_ray
 from .lobes import Lobes
 from .lobes_at import lobes_at
-from .pyramid import level_offset, luminance, morton_to_row_column
+from .luminance import luminance
+from .pyramid import level_offset, morton_to_row_column
 from .reference import sample_light_in
 from .sequence import PixelSequence, sample_number, sequence_point
 from .shading import ShadingPoints

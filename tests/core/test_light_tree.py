@@ -8,13 +8,8 @@ import pytest
 import iwis.core.light_tree as light_tree
 from iwis.core.environment import eval_environment_many, make_lookup
 from iwis.core.light_tree import build_pyramid
-from iwis.core.pyramid import (
-    WHOLE_LEVELS,
-    eval_leaf,
-    level_offset,
-    luminance,
-    morton_to_row_column,
-)
+from iwis.core.luminance import luminance
+from iwis.core.pyramid import WHOLE_LEVELS, eval_leaf, level_offset, morton_to_row_column
 from iwis.core.scene import CLOSEST, LINEAR_SRGB, MIRROR_BALL, EnvironmentMap
 from iwis.core.sphere_map import sphere_grid, sphere_to_square
 from support.light_leaves import (
