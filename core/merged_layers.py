@@ -8,7 +8,7 @@ import numpy as np
 
 from ._jit import kernel
 from .incremental import PixelSums, new_sums
-from .neighbours import reflected_chroma
+from .neighbours import hue_spread, reflected_chroma
 from .seen_points import ClosureLayer, SeenPoints
 from .sheen import diffuse_color
 
@@ -45,8 +45,7 @@ def _add_layer(of, lobes, own, merged):
         spread = max(own.seen_squared[k] - own.seen[k] * light, 0.0)
         merged.mean[p] += light
         merged.variance[p] += spread * inverse / max(count - 1, 1)
-        hue = max(own.hue[k] - reflected_chroma(own, k) * inverse, 0.0)
-        merged.hue[p] += hue * inverse / max(count - 1, 1)
+        merged.hue[p] += hue_spread(own, k, count) * inverse / max(count - 1, 1)
         error = own.error[k] * light if np.isfinite(own.error[k]) else 0.0
         merged.wrong[p] += error * error
 

@@ -6,7 +6,7 @@ stops when it has been lucky comes out too bright. So its own samples weigh a qu
 pixel beside it, and what all the cell saw of the same material stands in where no pixel around
 shows the same surface.
 
-    r^2 = (p (1 - p) + (s^2 + HUE h^2) p) / (p + floor)^2
+    r^2 = (p (1 - p) + (s^2 + h^2) p) / (p + floor)^2
 
 p: visibility; s, h: relative spread of the samples that were seen, of their luminance and of their
 color (luminance.chroma); floor: of the dark, below which a visibility is not worth chasing. All are
@@ -29,7 +29,6 @@ CELL_PX = 8  # points tell of each other inside aligned squares of the frame, wh
 _OWN, _BESIDE, _DIAGONAL = 0.25, 0.61, 0.37
 _CELL_SAMPLES = 8.0  # what all of the cell says counts as that many samples
 _SAME_SURFACE = 0.8  # cosine between two normals
-HUE = 1.0  # what noise of color counts beside that of luminance, squared
 
 
 class Neighbours(NamedTuple):
@@ -132,6 +131,12 @@ def reflected_chroma(sums, p):
     )
 
 
+@kernel(forceinline=True)
+def hue_spread(sums, p, n):
+    """Sum over n samples, or passes, of row p of what their color is from that of their mean."""
+    return max(sums.hue[p] - np.float64(reflected_chroma(sums, p)) / n, 0.0)
+
+
 @kernel
 def _sum_groups(sums, neighbours, totals, scatter):
     """totals: float64 (n, 4), of each group: visible, count, scatter, its degrees of freedom.
@@ -145,8 +150,7 @@ def _sum_groups(sums, neighbours, totals, scatter):
         if visible > 1.0 and sums.seen[p] > 0.0:
             mean = sums.seen[p] / visible
             spread = max(sums.seen_squared[p] - sums.seen[p] * mean, 0.0)
-            hue = max(sums.hue[p] - reflected_chroma(sums, p) / visible, 0.0)
-            scatter[p] = (spread + HUE * hue) / (mean * mean)
+            scatter[p] = (spread + hue_spread(sums, p, visible)) / (mean * mean)
         totals[g, 0] += visible
         totals[g, 1] += sums.count[p]
         totals[g, 2] += scatter[p]

@@ -17,7 +17,7 @@ from ._jit import kernel
 from .incremental import PixelSums
 from .lobes import Lobes
 from .luminance import luminance
-from .neighbours import HUE, reflected_chroma
+from .neighbours import hue_spread, reflected_chroma
 from .sheen import diffuse_color
 
 # The squared error of a mean of P passes falls as P^-1.3.
@@ -101,9 +101,8 @@ def _add_seen(pixel, normal, lobes, sums, state):
         seen = sums.seen[k]
         _add_light(state, p, seen * inverse + np.float64(own))
         spread = max(sums.seen_squared[k] - seen * seen * inverse, 0.0)
-        reflected = reflected_chroma(sums, k) * inverse
-        spread += HUE * max(sums.hue[k] - reflected, 0.0)
-        state.hue[p] += reflected * inverse
+        spread += hue_spread(sums, k, max(count, 1))
+        state.hue[p] += reflected_chroma(sums, k) * inverse * inverse
         state.noise[p] += spread * inverse / max(count - 1, 1)
 
 
@@ -148,8 +147,7 @@ def _pass_variance(state, p):
     """Variance of the light of a pass, by the spread of those there are and their own noise."""
     passes, light = np.float64(state.passes[p]), state.light[p]
     spread = max(state.light_squared[p] - light * light / passes, 0.0)
-    hits = np.float64(max(state.hits[p], 1))
-    spread += HUE * max(state.hue[p] - np.float64(reflected_chroma(state, p)) / hits, 0.0)
+    spread += hue_spread(state, p, max(state.hits[p], 1))
     prior = _PRIOR_PASSES * np.float64(state.noise[p]) / passes
     return (spread + prior) / (passes - 1.0 + _PRIOR_PASSES)
 

@@ -76,9 +76,11 @@ def _render_cycles(scene, seed, folder, case):
         return render_cycles(scene, folder, (), samples, case.filter_width)["Combined"]
 
 
-def _noise_of_mean(renders) -> float:
-    """The mean square error of the mean of renders with other seeds; of one, there is none."""
-    return float(renders.var(0, ddof=1).mean()) / len(renders) if len(renders) > 1 else 0.0
+def _noise_of_mean(renders) -> np.ndarray:
+    """The square error of the mean of renders with other seeds, of each number; of one, none."""
+    if len(renders) == 1:
+        return np.zeros_like(renders[0])
+    return renders.var(0, ddof=1) / len(renders)
 
 
 def _compared(ours, theirs, case, warnings) -> Result:
@@ -87,10 +89,10 @@ def _compared(ours, theirs, case, warnings) -> Result:
     noise = sum(_noise_of_mean(renders) for renders in (ours, theirs))
     a, b = ours.mean(0), theirs.mean(0)
     scale = max(float(np.abs(b).mean()), 1e-6)
-    far = np.abs(a - b).max(-1) > 0.1 * scale + 5.0 * np.sqrt(noise)
+    far = np.abs(a - b).max(-1) > 0.1 * scale + 5.0 * np.sqrt(noise.mean())
     # Texture edges and silhouettes between two pixels: a few whole pixels, not a tone.
     inner = ~far if far.mean() <= EDGES else np.ones_like(far)
-    squared = max(float(((a - b) ** 2)[inner].mean() - noise), 0.0)
+    squared = max(float(((a - b) ** 2 - noise)[inner].mean()), 0.0)
     bias = float(a[inner].mean() - b[inner].mean()) / scale
     return Result(
         np.sqrt(squared) / scale, bias, float(far.mean()), warnings, a[..., :3], b[..., :3]
