@@ -8,19 +8,21 @@ In the order of the data; a module imports only from groups with a smaller numbe
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, lamp_falloff, prefetch, sheen_numbers, triangle_pairs,
-    perlin, texels, element_places, oidn, subsurface, walkers, luminance
+    perlin, texels, element_places, oidn, subsurface, walkers, luminance,
+    lambert_kinds
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, lamp_choice, lamp_pictures, emitter_tree, sheen, islands,
-    embree_hits, denoise,
+    embree_hits, denoise, hair_frame,
     bump, stretched, lobes, cell_numbers, shapes
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
     voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser, bake_rays,
-    walk_steps
+    walk_steps, round_points, hair
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
-    sample_plan, sample_order, measured, lobe_setup, embree_instances
+    sample_plan, sample_order, measured, lobe_setup, embree_instances, hair_cells,
+    hair_setup
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
     light_rays, paper_tables, light_cells, lamp_light, pass_rays, moving_accel,
     moved_accel, surface_numbers, pixel_motion, random_walk

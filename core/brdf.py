@@ -14,6 +14,8 @@ import numpy as np
 
 from ._jit import kernel
 from .bump import bump_gain
+from .hair import eval_hair
+from .lambert_kinds import HAIR, MICROFIBER
 from .lobes import (
     CONDUCTOR_LOBE,
     DIELECTRIC_LOBE,
@@ -46,7 +48,7 @@ from .microfacet import (
     to_world,
 )
 from .rough_diffuse import roughened
-from .sheen import MICROFIBER, pdf_microfiber, sample_microfiber
+from .sheen import pdf_microfiber, sample_microfiber
 from .stretched import pdf_stretched, stretched
 
 _TINY = np.float32(1e-12)
@@ -72,6 +74,8 @@ def eval_at(at, wi_x, wi_y, wi_z):
     """
     if at.kind & MEASURED_LOBE:
         value = eval_measured_at(at, wi_x, wi_y, wi_z)
+    elif at.rough[3] <= HAIR:
+        return eval_hair(at, wi_x, wi_y, wi_z)
     else:
         value = eval_lobes_at(at, wi_x, wi_y, wi_z)
         if at.narrow > ZERO:

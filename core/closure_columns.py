@@ -7,9 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from .bump import turns
+from .hair_setup import HairValues, set_hair, set_starts
 from .lobe_setup import setup_lobes
 from .lobes import Lobes, darken_matte
 from .nodes.values import dot
+from .round_points import beyond, circles, is_round, normals_of_strands
 from .rows import any_in_row, rows_of
 from .scene import DIFFUSE, SHEEN, TRANSLUCENT, VELVET_SHEEN, MaterialParams, Scene
 from .shading import ShadingPoints, params_at
@@ -24,7 +26,8 @@ class ClosureValues(NamedTuple):
     which: int (m,), rows of the points; weight: float32 (m, 3); normal: float32 (m, 3), 0 where it
     is the surface's own, or None; params: column of MaterialParams -> values at the points; grain:
     float32 (m, 3), as Closure.grain, or None; matte: float32 (m, 3), factor of its Lambert lobe, or
-    None; media: what that lobe's light comes out of, and nothing else is there; or None
+    None; media: what that lobe's light comes out of, and nothing else is there; or None; hair: what
+    that lobe is, or None
     """
 
     closure: tuple
@@ -37,6 +40,7 @@ class ClosureValues(NamedTuple):
     corrects: bool  # Program.corrects_bumps
     matte: np.ndarray | None = None
     media: Media | None = None
+    hair: HairValues | None = None
 
     def at(self, some) -> ClosureValues:
         which, weight, *values = rows_of((self.which, self.weight, *self.params.values()), some)
@@ -46,15 +50,19 @@ class ClosureValues(NamedTuple):
             for name in ("normal", "grain", "matte")
             if (own := getattr(self, name)) is not None
         }
-        media = None if self.media is None else self.media.at(some)
-        return self._replace(which=which, weight=weight, params=params, media=media, **vectors)
+        own = {
+            name: values.at(some)
+            for name in ("media", "hair")
+            if (values := getattr(self, name)) is not None
+        }
+        return self._replace(which=which, weight=weight, params=params, **vectors, **own)
 
 
 class Columns:
     """What setup_lobes wants of n points, to be overwritten by layers."""
 
     def __init__(self, scene: Scene, points: ShadingPoints):
-        self.points, self._measured = points, scene.measured
+        self.points, self._scene = points, scene
         self.params = params_at(scene.materials, scene.mesh.material_index[points.triangle])
         self.normal = points.normal.copy()
         self.weight = points.through.copy()
@@ -65,6 +73,7 @@ class Columns:
         self._sheen = np.zeros(len(points.pixel), np.int8)  # SHEEN, VELVET_SHEEN
         self._behind = np.zeros(len(points.pixel), np.bool_)  # TRANSLUCENT
         self._matte: np.ndarray | None = None
+        self._hair: list[tuple[np.ndarray, HairValues]] = []
 
     def write(self, layer: ClosureValues, rows: np.ndarray) -> None:
         """Give rows the layer's closure."""
@@ -84,6 +93,8 @@ class Columns:
             if self._matte is None:
                 self._matte = np.ones_like(self.weight)
             self._matte[rows] = layer.matte
+        if layer.hair is not None:
+            self._hair.append((rows, layer.hair))
         if layer.normal is not None:
             self._maps_normals = True
             kept = any_in_row(layer.normal)
@@ -92,12 +103,36 @@ class Columns:
 
     def made(self) -> tuple[ShadingPoints, Lobes]:
         """The points, on the side that their closure shines from, and its lobes."""
-        lobes = self._lobes()
-        if not self._behind.any():
+        lobes, behind = self._lobes(), self._behind
+        if not behind.any() and not self._hair:
             return self.points, lobes
-        side = np.where(self._behind, np.float32(-1.0), np.float32(1.0))[:, None]
-        lobes = lobes._replace(normal=lobes.normal * side, smooth=lobes.smooth * side)
-        return self.points.from_behind(self._behind), lobes
+        points = self._beyond_strands(self.points.from_behind(behind), lobes)
+        side = np.where(behind, np.float32(-1.0), np.float32(1.0))[:, None]
+        return points, lobes._replace(normal=lobes.normal * side, smooth=lobes.smooth * side)
+
+    def _beyond_strands(self, points: ShadingPoints, lobes: Lobes) -> ShadingPoints:
+        """Points of hair, and light from behind, on the outside of what is round."""
+        some, normal = self._behind.copy(), self.points.normal
+        if self._hair:
+            hair = np.concatenate([rows for rows, _ in self._hair])
+            some[hair], normal = True, normal.copy()
+            normal[hair] = lobes.normal[hair]
+        rows = np.flatnonzero(some & is_round(self._scene, points.triangle))
+        if not len(rows):
+            return points
+        behind = self._behind[rows]
+        at = points.triangle[rows], points.position[rows]
+        way = set_starts(lobes, rows, circles(self._scene.mesh, *at), behind)
+        return beyond(points, rows, normal[rows], way, behind)
+
+    def _set_hair(self, lobes: Lobes) -> None:
+        points = self.points
+        for rows, hair in self._hair:
+            tube = is_round(self._scene, points.triangle[rows])
+            on_tube = normals_of_strands(points.normal[rows], hair.tangent)
+            own = np.where(tube[:, None], on_tube, points.geometric_normal[rows])
+            lobes.normal[rows] = own
+            set_hair(lobes, rows, hair, np.where(self._behind[rows], -1.0, 1.0))
 
     def _lobes(self) -> Lobes:
         points, weight = self.points, self.weight
@@ -105,7 +140,7 @@ class Columns:
         if brushed:
             params = params._replace(roughness=mean_roughness(params.roughness, self._grain))
         own = params, self.normal, points.geometric_normal, points.wo
-        lobes = setup_lobes(*own, self._measured, self._as_turned)
+        lobes = setup_lobes(*own, self._scene.measured, self._as_turned)
         if self._maps_normals:  # below the surface: lit by what no light comes from, as in Cycles
             lobes.diffuse[dot(points.normal, lobes.normal) < 0.0] = 0.0
         if self._matte is not None:
@@ -113,6 +148,7 @@ class Columns:
         if self._sheen.any():
             roughness = self.params.roughness
             set_sheen(lobes, self._sheen == SHEEN, self._sheen == VELVET_SHEEN, roughness)
+        self._set_hair(lobes)
         if brushed:
             stretch_lobes(lobes, self.params.roughness, self._grain)
         if self._turned.any():

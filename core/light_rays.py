@@ -10,12 +10,13 @@ from ._jit import kernel
 from .accel import start_shadow_ray
 from .brdf import eval_at, pdf_at
 from .environment import EnvironmentLookup
+from .lambert_kinds import MICROFIBER, VELVET
 from .light_leaves import LightLeaves, light_leaves
 from .microfacet import HALF, INV_PI
 from .product import ProductCells, product_cells
 from .pyramid import LightPyramid, pdf_light
 from .scene import ROUND
-from .sheen import MICROFIBER, VELVET, pdf_microfiber
+from .sheen import pdf_microfiber
 
 _ZERO, _ONE, _ROUND = np.float32(0.0), np.float32(1.0), np.float32(ROUND)
 

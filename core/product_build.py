@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .hair_cells import add_hair
+from .lambert_kinds import HAIR
 from .lobe_cells import add_gloss, fill_lambert, gloss_at, lambert_at
 from .lobes import DIFFUSE_LOBE
 from .product import (
@@ -38,7 +40,7 @@ _LEAST_KEPT = np.float32(0.3)
 # Seen flatter than this (cosine), lobes crowd into few cells of the base: up to this part of the
 # samples follows the lobe itself, or a rare one is 70 times too bright.
 _FLAT, _MOST_FLAT = np.float32(0.2), np.float32(0.4)
-# Of the samples of sheen, those that follow its own lobe.
+# Of the samples of sheen, those that follow its own lobe; of hair, Lambert's.
 _SHEEN = np.float32(0.05)
 
 
@@ -248,7 +250,10 @@ def build_product(lobes, p, turned, cells, averages, levels, products, scratch):
     matte = _fill_base_lambert(lambert, cells, radius, leaves)
     products.blocks[p], products.follow[p] = 0, 0.0
     if lobes.kind[p] <= DIFFUSE_LOBE:
-        if lobes.rough[p, 3] < np.float32(0.0):
+        if lobes.rough[p, 3] <= HAIR:
+            add_hair(lobes, p, cells, radius, leaves, scratch.spread)
+            products.follow[p] = _SHEEN
+        elif lobes.rough[p, 3] < np.float32(0.0):
             add_sheen(lobes, p, cells, radius, leaves)
             products.follow[p] = _SHEEN
         sum_base(tree)

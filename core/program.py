@@ -52,6 +52,27 @@ class Subsurface(NamedTuple):
     method: int
 
 
+# Hair.model: Cycles' Principled Hair, and the two components of its Hair BSDF
+HAIR_CHIANG, HAIR_BELL_REFLECTION, HAIR_BELL_TRANSMISSION = 0, 1, 2
+
+
+class Hair(NamedTuple):
+    """What a strand makes of light (core/hair.py), values as the node has them.
+
+    tangent: a vector, along the strand; absorption: a colour, of light over the strand's radius
+    roughness, radial: along and round the strand; offset: radians
+    """
+
+    model: int
+    tangent: Value
+    absorption: Value
+    roughness: Value
+    radial: Value
+    coat: Value
+    ior: Value
+    offset: Value
+
+
 class Closure(NamedTuple):
     """One BSDF of a mixture.
 
@@ -62,6 +83,7 @@ class Closure(NamedTuple):
     normal: a vector; None: the surface's own
     grain: a vector along the facets' tangent, as long as the root of alpha_x / alpha_y; None: round
     subsurface: None: light leaves where it has come in
+    hair: of what a DIFFUSE closure has in front, a TRANSLUCENT one behind; None: it is no strand
     """
 
     model: int
@@ -71,6 +93,7 @@ class Closure(NamedTuple):
     normal: Value | None = None
     grain: Value | None = None
     subsurface: Subsurface | None = None
+    hair: Hair | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

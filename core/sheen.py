@@ -19,6 +19,7 @@ import math
 import numpy as np
 
 from ._jit import kernel
+from .lambert_kinds import MICROFIBER, TRANSLUCENT_ROUND, VELVET
 from .microfacet import (
     INV_PI,
     ONE,
@@ -34,8 +35,6 @@ from .microfacet import (
 )
 from .sheen_numbers import NUMBERS
 
-# Lobes.rough[3]: (a, b) or (sigma) before it.
-MICROFIBER, VELVET = np.float32(-1.0), np.float32(-2.0)
 _SIDE = 32
 _SMALL = np.float32(1e-5)
 _LEAST = np.float32(0.02)  # of the factor over a cell
@@ -147,14 +146,16 @@ def sheen(at, wi_x, wi_y, wi_z, value):
 
 
 def diffuse_colors(lobes) -> np.ndarray:
-    """float32 (n, 3): Cycles' Diffuse Color; of velvet, which is glossy there, nothing."""
-    return np.where(lobes.rough[:, 3:] == VELVET, ZERO, lobes.diffuse)
+    """float32 (n, 3): Cycles' Diffuse Color; nothing of velvet and hair, which are glossy there."""
+    kind = lobes.rough[:, 3:]
+    return np.where((kind <= VELVET) & (kind > TRANSLUCENT_ROUND), ZERO, lobes.diffuse)
 
 
 @kernel(forceinline=True)
 def diffuse_color(lobes, p, c):
     """diffuse_colors of row p, channel c."""
-    return ZERO if lobes.rough[p, 3] == VELVET else lobes.diffuse[p, c]
+    kind = lobes.rough[p, 3]
+    return ZERO if TRANSLUCENT_ROUND < kind <= VELVET else lobes.diffuse[p, c]
 
 
 @kernel

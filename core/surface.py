@@ -12,10 +12,11 @@ import numpy as np
 
 from .closure_columns import ClosureValues, Columns
 from .cutouts import opacity_gain
+from .hair_setup import HairValues
 from .lobes import Lobes, matte_alone
 from .nodes import Evaluation, ShadeContext
 from .poses import points_at_rest, posed_normals
-from .program import Program, Subsurface
+from .program import Hair, Program, Subsurface
 from .rows import any_in_row, row_means
 from .scene import DIFFUSE, GGX, Scene
 from .shading import ShadingPoints
@@ -158,9 +159,13 @@ def _evaluate(
 ) -> tuple[list[ClosureValues], np.ndarray]:
     """The closures of one material's points, and what these emit: negative too, as in Cycles.
 
-    whole: whether light from under the surface counts as the surface's own
+    whole: whether light from under the surface counts as the surface's own, and hair is matte
     """
     evaluation = Evaluation(program, context)
+
+    def turned(vectors):
+        return posed_normals(pose, context.mesh, context.triangle, vectors)
+
     opaque = opacity_gain(program, evaluation, len(which))
     layers = []
     for closure in program.closures:
@@ -171,20 +176,30 @@ def _evaluate(
         weight = np.maximum(evaluation.vector(closure.weight), 0.0) * opaque
         normal = None if closure.normal is None else evaluation.vector(closure.normal)
         if normal is not None:
-            normal = posed_normals(pose, context.mesh, context.triangle, normal)
+            normal = turned(normal)
         kind, grain = (closure.model, closure.distribution), None
         if closure.grain is not None:
             grain = evaluation.vector(closure.grain)
             length = np.linalg.norm(grain, axis=1)[:, None].astype(np.float32)
-            along = grain / np.maximum(length, np.float32(1e-20))
-            grain = length * posed_normals(pose, context.mesh, context.triangle, along)
+            grain = length * turned(grain / np.maximum(length, np.float32(1e-20)))
         corrects = program.corrects_bumps
         shadows = corrects and (closure.normal is None or closure.normal is not program.displaced)
         layer = ClosureValues(kind, which, weight, normal, params, grain, shadows, corrects)
+        if closure.hair is not None and not whole:
+            layer = layer._replace(hair=_hair_values(closure.hair, evaluation, turned, len(which)))
         split = closure.subsurface is not None and not whole
         layers += _split(closure.subsurface, evaluation, layer) if split else [layer]
     glow = 0.0 if program.emission is None else evaluation.vector(program.emission) * opaque
     return layers, glow
+
+
+def _hair_values(hair: Hair, evaluation: Evaluation, turned, n: int) -> HairValues:
+    def each(value, width=()):
+        return np.broadcast_to(value, (n, *width)).astype(np.float32)
+
+    tangent, absorption = (each(evaluation.vector(v), (3,)) for v in hair[1:3])
+    numbers = (each(evaluation.number(value)) for value in hair[3:])
+    return HairValues(hair.model, turned(tangent), absorption, *numbers)
 
 
 def _split(under: Subsurface, evaluation: Evaluation, layer: ClosureValues) -> list[ClosureValues]:

@@ -12,6 +12,8 @@ from ._jit import kernel
 from .brdf import eval_facets_at, eval_lobes_at, pdf_facets_at, pdf_narrowest_at, pdf_round_at
 from .bump import bump_gain
 from .environment import eval_map
+from .hair import chiang_at, eval_strand, ray_start
+from .lambert_kinds import HAIR
 from .lanes import BLUE, DIFFUSE, DX, DY, DZ, GLOSSY, GREEN, LANES, OX, OY, OZ, PDF, RED, U, V
 from .light_rays import is_lifted
 from .lobes import DIFFUSE_LOBE, MEASURED_LOBE
@@ -144,6 +146,20 @@ def _weigh_rough(at, share, numbers, s, end):
 
 
 @kernel
+def _weigh_hair(at, position, share, numbers, s, end):
+    """The same for a point of a strand, whose rays start elsewhere; position: a triple."""
+    own = chiang_at(at, _ZERO)
+    for k in range(s, end):
+        wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
+        pdf = share * pdf_round_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
+        if at.dielectric_f0[0] > _ZERO:
+            x, y, z = ray_start(at, position, wx, wy, wz)
+            numbers[OX + k], numbers[OY + k], numbers[OZ + k] = x, y, z
+        value = eval_strand(at, own, wx, wy, wz)
+        _write_light(numbers, k, pdf, value)
+
+
+@kernel
 def _weigh_stretched(at, share, numbers, s, end):
     """The same for a point whose gloss is stretched, with a rough Lambert lobe or without."""
     for k in range(s, end):
@@ -164,6 +180,10 @@ def _weigh_run(task, share, p, lanes, s, end):
         _lift_rays(task, at, p, lanes, s, end)
     if at.narrow > _ZERO:
         _weigh_stretched(at, share, lanes.numbers, s, end)
+    elif at.rough[3] <= HAIR:
+        own = task.points.position
+        place = own[p, 0], own[p, 1], own[p, 2]
+        _weigh_hair(at, place, share, lanes.numbers, s, end)
     elif at.rough[3] != _ZERO and at.kind > 0:
         _weigh_rough(at, share, lanes.numbers, s, end)
     elif at.kind <= DIFFUSE_LOBE:

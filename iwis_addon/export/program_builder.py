@@ -75,9 +75,16 @@ class ProgramBuilder:
 
     def vector_if_linked(self, node, name: str, groups) -> Value | None:
         """What feeds an input; None where nothing is linked."""
+        return self._if_linked(node, name, groups, "VECTOR")
+
+    def number_if_linked(self, node, name: str, groups) -> Value | None:
+        """The same, as a number."""
+        return self._if_linked(node, name, groups, "NUMBER")
+
+    def _if_linked(self, node, name, groups, target):
         if name not in node.inputs or follow(node.inputs[name], groups).node is None:
             return None
-        return self.behind(node.inputs[name], groups, "VECTOR")
+        return self.behind(node.inputs[name], groups, target)
 
     def normal(self, node, name: str, groups) -> Value | None:
         """What feeds a normal; else the displaced one; None: the surface's own."""

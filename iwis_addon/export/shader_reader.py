@@ -10,9 +10,9 @@ import numpy as np
 
 from ...core.program import Closure, Value
 from ...core.scene import DIFFUSE, GLOSSY, MULTI_GGX, PRINCIPLED, SHEEN, VELVET_SHEEN
+from .hair_shaders import HairShaders
 from .node_values import follow
 from .program_builder import ProgramBuilder
-from .subsurface import SubsurfaceShaders
 from .surface_parts import BLACK, DISTRIBUTIONS, ONE, WHITE, ZERO, is_constant
 
 # Principled's inputs that are left out, unless they stand at the value where they do nothing.
@@ -48,7 +48,7 @@ def _f82_of_indices(n, k):
     return base.astype(np.float32), np.minimum(edge / schlick, 1.0).astype(np.float32)
 
 
-class ShaderReader(SubsurfaceShaders):
+class ShaderReader(HairShaders):
     """Adds what stands behind a shader socket to its ``parts``."""
 
     def __init__(self, builder: ProgramBuilder):
@@ -69,6 +69,8 @@ class ShaderReader(SubsurfaceShaders):
             "ShaderNodeBsdfGlass": self._glass,
             "ShaderNodeBsdfRefraction": self._refraction,
             "ShaderNodeSubsurfaceScattering": self._subsurface,
+            "ShaderNodeBsdfHairPrincipled": self._principled_hair,
+            "ShaderNodeBsdfHair": self._hair,
         }
 
     def read(self, socket, groups=(), weight: Value = WHITE) -> None:

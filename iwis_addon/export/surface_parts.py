@@ -23,7 +23,7 @@ def is_constant(value, number=None) -> bool:
 def is_plain_diffuse(closure: Closure) -> bool:
     """Whether a closure can be added to another one by its colour."""
     smooth = is_constant(closure.params.get("diffuse_roughness", ZERO), 0.0)
-    plain = closure.normal is None and closure.subsurface is None
+    plain = (closure.normal, closure.subsurface, closure.hair) == (None, None, None)
     return closure.model == DIFFUSE and plain and smooth
 
 

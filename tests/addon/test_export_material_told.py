@@ -27,8 +27,6 @@ def test_warnings_name_objects(build, users, where):
 
 OTHERS = {
     "ShaderNodeBsdfToon": DIFFUSE,
-    "ShaderNodeBsdfHair": DIFFUSE,
-    "ShaderNodeBsdfHairPrincipled": DIFFUSE,
     "ShaderNodeBsdfRayPortal": DIFFUSE,
     "ShaderNodeEeveeSpecular": DIFFUSE,
     "ShaderNodeVolumeScatter": DIFFUSE,

@@ -17,7 +17,7 @@ def _case(name, build, lit=True, **options):
     CASES.append(Case(name, build, lit=lit, blurred=True, filter_width=_FILTER, **options))
 
 
-def _without_solids(scene):
+def without_solids(scene):
     """Only the floor is left. Returns the material of all."""
     for obj in list(scene.objects):
         if obj.type == "MESH" and obj.name != "Plane":
@@ -36,7 +36,7 @@ def _plastic(tree):
 
 def _half_clear(tree):
     """On a matte floor."""
-    _on_a_matte_floor()
+    on_a_matte_floor()
     mix = tree.node("ShaderNodeMixShader")
     diffuse = tree.made("ShaderNodeBsdfDiffuse", 0, {"Color": (0.8, 0.5, 0.2)})
     for value, socket in zip((0.5, _clear(tree), diffuse), mix.inputs, strict=True):
@@ -45,7 +45,7 @@ def _half_clear(tree):
 
 
 def _tinted_glass(tree):
-    _on_a_matte_floor()
+    on_a_matte_floor()
     tree.surface(_clear(tree, (0.9, 0.5, 0.2)))
 
 
@@ -53,7 +53,7 @@ def _clear(tree, color=(1.0, 1.0, 1.0)):
     return tree.made("ShaderNodeBsdfTransparent", 0, {"Color": color})
 
 
-def _on_a_matte_floor():
+def on_a_matte_floor():
     bpy.context.scene.cycles.transparent_max_bounces = 64
     bpy.data.objects["Plane"].data.materials[0] = bpy.data.materials.new("Floor")
 
@@ -122,7 +122,7 @@ def _points(name, material, count=60, size=(0.06, 0.3), lit=True, **place):
         rng = np.random.default_rng(3)
         places = rng.uniform((-2.0, -1.0, -0.9), (2.0, 1.5, 0.9), (count, 3)).astype(np.float32)
         radii = rng.uniform(*size, count).astype(np.float32)
-        add_points(_without_solids(scene), places, radii, **place)
+        add_points(without_solids(scene), places, radii, **place)
 
     _case(f"Points, {name}", build, lit)
 
@@ -134,7 +134,7 @@ def _instanced_points(name, material):
         material(tree)
         rng = np.random.default_rng(3)
         places = rng.uniform((-2.0, -1.0, -0.9), (2.0, 1.5, 0.9), (40, 3)).astype(np.float32)
-        points = add_points(_without_solids(scene), places, np.full(40, 0.2, np.float32))
+        points = add_points(without_solids(scene), places, np.full(40, 0.2, np.float32))
         points.users_collection[0].objects.unlink(points)
         group = bpy.data.collections.new("Points")
         group.objects.link(points)
@@ -186,7 +186,7 @@ def _curves(name, material, count=24, keys=5, size=(0.12, 0.03), lit=True, shape
         scene.cycles_curves.shape = shape
         places = bent_strands(count, keys)
         radii = np.broadcast_to(np.linspace(*size, keys), (count, keys))
-        add_curves(_without_solids(scene), places, radii, **place)
+        add_curves(without_solids(scene), places, radii, **place)
 
     _case(f"Curves, {name}", build, lit)
 
