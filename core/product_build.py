@@ -27,6 +27,7 @@ from .product import (
 )
 from .pyramid import level_offset
 from .sheen import add_sheen
+from .toon import fill_toon, is_toon
 
 # Blocks that cells of the base may have; cells of these blocks may have the rest.
 _MAX_FIRST = 24
@@ -248,7 +249,9 @@ def build_product(lobes, p, turned, cells, averages, levels, products, scratch):
     matte = _fill_base_lambert(lambert, cells, radius, leaves)
     products.blocks[p], products.follow[p] = 0, 0.0
     if lobes.kind[p] <= DIFFUSE_LOBE:
-        if lobes.rough[p, 3] < np.float32(0.0):
+        if is_toon(lobes.rough[p]):
+            products.follow[p] = fill_toon(lobes, p, cells, radius, leaves)
+        elif lobes.rough[p, 3] < np.float32(0.0):
             add_sheen(lobes, p, cells, radius, leaves)
             products.follow[p] = _SHEEN
         sum_base(tree)

@@ -56,7 +56,8 @@ class Closure(NamedTuple):
     """One BSDF of a mixture.
 
     model: as in MaterialParams, or TRANSLUCENT (DIFFUSE on the side away from the viewer), SHEEN,
-        VELVET_SHEEN (sheen.py); distribution: as there
+        VELVET_SHEEN (sheen.py), TOON, GLOSSY_TOON (toon.py: roughness is Size, diffuse_roughness
+        Smooth); distribution: as there
     weight: a colour, the factor of all it reflects
     params: column of MaterialParams -> its value; a missing one is that of the material's own row
     normal: a vector; None: the surface's own
@@ -178,5 +179,11 @@ class Shaders:
     @property
     def scatters(self) -> bool:
         """Whether light leaves any surface elsewhere than it came in."""
-        closures = (c for program in self.programs if program is not None for c in program.closures)
-        return any(closure.subsurface is not None for closure in closures)
+        return any(closure.subsurface is not None for closure in self._closures())
+
+    def has_model(self, *models: int) -> bool:
+        """Whether any closure has one of these models."""
+        return any(closure.model in models for closure in self._closures())
+
+    def _closures(self):
+        return (c for program in self.programs if program is not None for c in program.closures)

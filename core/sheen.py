@@ -34,8 +34,8 @@ from .microfacet import (
 )
 from .sheen_numbers import NUMBERS
 
-# Lobes.rough[3]: (a, b) or (sigma) before it.
-MICROFIBER, VELVET = np.float32(-1.0), np.float32(-2.0)
+# Lobes.rough[3]: (a, b) or (sigma) before it. From VELVET on they count as glossy, toon.py's too.
+MICROFIBER, VELVET = np.float32(-1.0), np.float32(-3.0)
 _SIDE = 32
 _SMALL = np.float32(1e-5)
 _LEAST = np.float32(0.02)  # of the factor over a cell
@@ -147,14 +147,14 @@ def sheen(at, wi_x, wi_y, wi_z, value):
 
 
 def diffuse_colors(lobes) -> np.ndarray:
-    """float32 (n, 3): Cycles' Diffuse Color; of velvet, which is glossy there, nothing."""
-    return np.where(lobes.rough[:, 3:] == VELVET, ZERO, lobes.diffuse)
+    """float32 (n, 3): Cycles' Diffuse Color; of what is glossy there (velvet, toon), nothing."""
+    return np.where(lobes.rough[:, 3:] <= VELVET, ZERO, lobes.diffuse)
 
 
 @kernel(forceinline=True)
 def diffuse_color(lobes, p, c):
     """diffuse_colors of row p, channel c."""
-    return ZERO if lobes.rough[p, 3] == VELVET else lobes.diffuse[p, c]
+    return ZERO if lobes.rough[p, 3] <= VELVET else lobes.diffuse[p, c]
 
 
 @kernel
