@@ -69,7 +69,8 @@ class Columns:
         self.points, self._measured = points, scene.measured
         self.params = params_at(scene.materials, scene.mesh.material_index[points.triangle])
         self.normal = points.normal.copy()
-        self.weight = points.through.copy()
+        self._through = points.reflecting
+        self.weight = self._through.copy()
         self._maps_normals = False
         self._turned = np.zeros(len(points.pixel), np.bool_)  # the normal, by a map, and shadowed
         self._as_turned = np.zeros(len(points.pixel), np.bool_)  # Program.corrects_bumps is off
@@ -88,7 +89,7 @@ class Columns:
         self._behind[rows] = model == TRANSLUCENT
         for name, values in layer.params.items():
             getattr(params, name)[rows] = values
-        self.weight[rows] = layer.weight * self.points.through[rows]
+        self.weight[rows] = layer.weight * self._through[rows]
         self._as_turned[rows] = not layer.corrects
         if layer.grain is not None:
             self._grain[rows] = layer.grain

@@ -169,12 +169,19 @@ class Shaders:
     programs: one a material; None where MaterialParams' row says all
     material_pass_index: float32, one a material
     aovs: what materials write into passes that are asked for
+    one_more: whether a ray of the camera goes through one surface more than a shadow ray may, as in
+        Cycles of Blender 4
     """
 
     programs: tuple[Program | None, ...]
     surface: SurfaceData
     material_pass_index: np.ndarray
     aovs: tuple[Aov, ...] = ()
+    one_more: bool = False
+
+    def passes_of_camera(self, most: int) -> int:
+        """How many surfaces a ray of the camera goes through; most: transparent_max_bounces."""
+        return most + 1 if self.one_more else max(most, 1)
 
     @property
     def scatters(self) -> bool:

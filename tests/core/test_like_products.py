@@ -135,6 +135,7 @@ def _samples(light, normal, wo, apart, count, **parameters):
         *(zeros, wo, normal, normal, zeros),
         np.zeros(n, np.float32),
         zeros,
+        np.zeros(n, np.int32),
     )
     lobes = setup_lobes(material(n, **parameters), normal, normal, wo)
     sequence = random_sequence(np.random.default_rng(7), n, count, "OWEN")

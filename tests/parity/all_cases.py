@@ -1,6 +1,7 @@
 """The list of all cases."""
 
 from . import (
+    bounce_cases,
     clear_cases,
     closure_cases,
     coordinate_cases,
@@ -50,6 +51,7 @@ _FAMILIES = (
     shown_lamp_cases,
     falloff_cases,
     pane_cases,
+    bounce_cases,
     motion_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []
