@@ -12,7 +12,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     lambert_kinds
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
-    glossy_normal, lamp_shapes, lamp_choice, lamp_pictures, emitter_tree, sheen, islands,
+    glossy_normal, lamp_shapes, lamp_choice, lamp_pictures, emitter_tree, sheen, toon, islands,
     embree_hits, denoise, hair_frame,
     bump, stretched, lobes, cell_numbers, shapes
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products

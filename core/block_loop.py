@@ -105,6 +105,7 @@ def _points_at(points, a, b):
         points.lift[a:b],
         points.lift_below[a:b],
         points.through[a:b],
+        points.passed[a:b],
     )
 
 

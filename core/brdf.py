@@ -50,6 +50,7 @@ from .microfacet import (
 from .rough_diffuse import roughened
 from .sheen import pdf_microfiber, sample_microfiber
 from .stretched import pdf_stretched, stretched
+from .toon import is_toon, pdf_toon, sample_toon
 
 _TINY = np.float32(1e-12)
 _ALMOST_ONE = np.float32(1.0 - 2.0**-24)
@@ -168,14 +169,17 @@ def pdf_narrowest_at(at, wi_x, wi_y, wi_z):
     """The density of sample_narrowest_at, sr^-1; at.kind must not be 0."""
     if at.narrow > ZERO:
         return pdf_stretched(at, wi_x, wi_y, wi_z)
-    if at.rough[3] == MICROFIBER:
-        return pdf_microfiber(at, wi_x, wi_y, wi_z)
+    if at.rough[3] < ZERO:
+        if at.rough[3] == MICROFIBER:
+            return pdf_microfiber(at, wi_x, wi_y, wi_z)
+        if is_toon(at.rough):
+            return pdf_toon(at, wi_x, wi_y, wi_z)
     return pdf_round_at(at, wi_x, wi_y, wi_z)
 
 
 @kernel(forceinline=True)
 def pdf_round_at(at, wi_x, wi_y, wi_z):
-    """pdf_narrowest_at of a point that is neither stretched nor sheen."""
+    """pdf_narrowest_at of a point that is neither stretched, sheen nor toon."""
     if at.kind == DIFFUSE_LOBE:
         return max(dot_xyz(at.normal, wi_x, wi_y, wi_z), ZERO) * INV_PI
     return pdf_facets_at(at, at.gaussian, wi_x, wi_y, wi_z)
@@ -200,8 +204,11 @@ def sample_at(at, u1, u2):
 @kernel(forceinline=True)
 def sample_narrowest_at(at, u1, u2):
     """A direction by the glossy lobe, where there is none by the other one: (x, y, z)."""
-    if at.rough[3] == MICROFIBER:
-        return sample_microfiber(at, u1, u2)
+    if at.rough[3] < ZERO:
+        if at.rough[3] == MICROFIBER:
+            return sample_microfiber(at, u1, u2)
+        if is_toon(at.rough):
+            return sample_toon(at, u1, u2)
     if at.kind == DIFFUSE_LOBE:
         return _sample_lambert(at, u1, u2)
     return _sample_gloss(at, u1, u2)

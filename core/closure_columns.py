@@ -13,11 +13,23 @@ from .lobes import Lobes, darken_matte
 from .nodes.values import dot
 from .round_points import beyond, circles, is_round, normals_of_strands
 from .rows import any_in_row, rows_of
-from .scene import DIFFUSE, SHEEN, TRANSLUCENT, VELVET_SHEEN, MaterialParams, Scene
+from .scene import (
+    DIFFUSE,
+    GLOSSY_TOON,
+    SHEEN,
+    TOON,
+    TRANSLUCENT,
+    VELVET_SHEEN,
+    MaterialParams,
+    Scene,
+)
 from .shading import ShadingPoints, params_at
 from .sheen import set_sheen
 from .stretched import mean_roughness, stretch_lobes
 from .subsurface import Media
+from .toon import set_toon
+
+_FACTORS = (SHEEN, VELVET_SHEEN, TOON, GLOSSY_TOON)  # models that change a Lambert lobe's shape
 
 
 class ClosureValues(NamedTuple):
@@ -65,12 +77,13 @@ class Columns:
         self.points, self._scene = points, scene
         self.params = params_at(scene.materials, scene.mesh.material_index[points.triangle])
         self.normal = points.normal.copy()
-        self.weight = points.through.copy()
+        self._through = points.reflecting
+        self.weight = self._through.copy()
         self._maps_normals = False
         self._turned = np.zeros(len(points.pixel), np.bool_)  # the normal, by a map, and shadowed
         self._as_turned = np.zeros(len(points.pixel), np.bool_)  # Program.corrects_bumps is off
         self._grain = np.zeros((len(points.pixel), 3), np.float32)
-        self._sheen = np.zeros(len(points.pixel), np.int8)  # SHEEN, VELVET_SHEEN
+        self._shape = np.zeros(len(points.pixel), np.int8)  # one of _FACTORS, or 0
         self._behind = np.zeros(len(points.pixel), np.bool_)  # TRANSLUCENT
         self._matte: np.ndarray | None = None
         self._hair: list[tuple[np.ndarray, HairValues]] = []
@@ -79,13 +92,13 @@ class Columns:
         """Give rows the layer's closure."""
         params: MaterialParams = self.params
         model, params.distribution[rows] = layer.closure
-        lambert = model in (TRANSLUCENT, SHEEN, VELVET_SHEEN)
+        lambert = model == TRANSLUCENT or model in _FACTORS
         params.model[rows] = DIFFUSE if lambert else model
-        self._sheen[rows] = model if model in (SHEEN, VELVET_SHEEN) else 0
+        self._shape[rows] = model if model in _FACTORS else 0
         self._behind[rows] = model == TRANSLUCENT
         for name, values in layer.params.items():
             getattr(params, name)[rows] = values
-        self.weight[rows] = layer.weight * self.points.through[rows]
+        self.weight[rows] = layer.weight * self._through[rows]
         self._as_turned[rows] = not layer.corrects
         if layer.grain is not None:
             self._grain[rows] = layer.grain
@@ -134,6 +147,13 @@ class Columns:
             lobes.normal[rows] = own
             set_hair(lobes, rows, hair, np.where(self._behind[rows], -1.0, 1.0))
 
+    def _set_shape(self, lobes: Lobes) -> None:
+        """Make sheen and toon of the Lambert lobes that are to be."""
+        fibers, velvet, matte, glossy = (self._shape == model for model in _FACTORS)
+        roughness = self.params.roughness
+        set_sheen(lobes, fibers, velvet, roughness)
+        set_toon(lobes, matte, glossy, roughness, self.params.diffuse_roughness)
+
     def _lobes(self) -> Lobes:
         points, weight = self.points, self.weight
         params, brushed = self.params, self._grain.any()
@@ -145,9 +165,8 @@ class Columns:
             lobes.diffuse[dot(points.normal, lobes.normal) < 0.0] = 0.0
         if self._matte is not None:
             darken_matte(lobes, self._matte)
-        if self._sheen.any():
-            roughness = self.params.roughness
-            set_sheen(lobes, self._sheen == SHEEN, self._sheen == VELVET_SHEEN, roughness)
+        if self._shape.any():
+            self._set_shape(lobes)
         self._set_hair(lobes)
         if brushed:
             stretch_lobes(lobes, self.params.roughness, self._grain)

@@ -20,8 +20,6 @@ from .rows import any_in_row, row_means
 from .scene import BLACK, ROUND, Scene
 from .shading import ShadingPoints, points_within
 
-# Surfaces that a ray goes through; the next one is opaque. Cycles' own limit is 8, and black.
-MOST_LAYERS = 64
 # Above, a surface that is drawn all the same is not made brighter: there is nothing to be seen.
 _ALL = np.float32(0.9999)
 
@@ -46,16 +44,22 @@ def cut_materials(scene: Scene) -> np.ndarray | None:
     return np.array(cut, np.bool_) if any(cut) else None
 
 
-def opacity_gain(program: Program, evaluation: Evaluation, n: int) -> np.ndarray | np.float32:
-    """Factor of what a surface shows where it has stopped a ray: float32 (n, 1), or 1."""
+def opacity_gain(
+    program: Program, evaluation: Evaluation, passed: np.ndarray
+) -> np.ndarray | np.float32:
+    """Factor of what a surface shows where it has stopped a ray: float32 (n, 1), or 1.
+
+    passed: of ShadingPoints; where a ray could not go on nothing was drawn
+    """
     if program.transparent is None and program.holdout is None:
         return np.float32(1.0)
-    passing = np.zeros(n, np.float32)
+    passing = np.zeros(len(passed), np.float32)
     if program.transparent is not None:
         passing = going_share(program, evaluation)
     if program.holdout is not None:
         passing = passing + row_means(evaluation.vector(program.holdout))
-    return np.where(passing < _ALL, 1.0 / (1.0 - np.minimum(passing, _ALL)), 1.0)[:, None]
+    drawn = (passing < _ALL) & (passed >= 0)
+    return np.where(drawn, 1.0 / (1.0 - np.minimum(passing, _ALL)), 1.0)[:, None]
 
 
 def passing_shares(scene: Scene, points: ShadingPoints, shadow: bool = False) -> np.ndarray:
@@ -156,6 +160,7 @@ def points_through(
     directions: np.ndarray,
     reach: np.ndarray,
     dither: np.ndarray | None,
+    most: int,
     tints: np.ndarray | None = None,
     hits: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
     passed: list[PassedPanes] | None = None,
@@ -165,6 +170,8 @@ def points_through(
     reach: float32 (n,), metres from origins, beyond which nothing is seen
     dither: float (n,) in [0, 1): a ray goes on where it is below the share that passes; over that
         share it is the number for the next surface; None: where half or more passes
+    most: of RenderSettings.transparent_max_bounces; of what a ray meets beyond these surfaces it
+        shows what glows alone, as in Cycles
     tints: float32 (n, 3), of ones; gets ShadingPoints.through of each ray, those too that hit
         nothing in the end
     hits: what rays meet, as of accel.intersect, and nothing after that; None: it is asked
@@ -178,7 +185,7 @@ def points_through(
     if cut_materials(scene) is None:
         return points
     ended, numbers = [], None if dither is None else np.array(dither, np.float64)
-    for _ in range(MOST_LAYERS):
+    for n in range(1, scene.shaders.passes_of_camera(most) + 1):
         color, passing = _passing_colors(scene, points, False)
         number = np.full(len(passing), 0.5) if numbers is None else numbers[points.pixel]
         goes = number < passing
@@ -199,6 +206,8 @@ def points_through(
         hit, u, v = accel.intersect(starts, onward)
         points = posed_points(scene.pose, scene.mesh, hit, u, v, onward, offsets)
         points = points_within(points._replace(pixel=rays[points.pixel]), origins, reach)
+        points.passed[:] = n
+    points.passed[:] = -1
     ended.append(points)
     found = ShadingPoints(*map(np.concatenate, zip(*ended, strict=True)))
     found = found.at(np.argsort(found.pixel, kind="stable"))

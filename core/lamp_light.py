@@ -30,6 +30,7 @@ from .microfacet import MIN_ALPHA
 from .pixel_filter import LAMPS, point_of_pixel
 from .scene import ROUND
 from .shading import ShadingPoints
+from .toon import is_toon
 from .turns import aside
 
 # Columns of a point's light: (r, g, b) by the diffuse lobe, by the glossy one, and the luminance of
@@ -218,7 +219,7 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
             p += 1
             continue
         place = samples.columns[p], samples.rows[p], samples.number[p], samples.seed
-        follows = at.kind > DIFFUSE_LOBE and at.alpha < _NARROW
+        follows = (at.kind > DIFFUSE_LOBE or is_toon(at.rough)) and at.alpha < _NARROW
         start = 0.0
         if choose:
             share_out(lamps, powers, points, p, shares)

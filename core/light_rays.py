@@ -17,6 +17,7 @@ from .product import ProductCells, product_cells
 from .pyramid import LightPyramid, pdf_light
 from .scene import ROUND
 from .sheen import pdf_microfiber
+from .toon import is_toon, pdf_toon
 
 _ZERO, _ONE, _ROUND = np.float32(0.0), np.float32(1.0), np.float32(ROUND)
 
@@ -43,6 +44,8 @@ def _pdf_of_cycles(at, wx, wy, wz):
     if at.rough[3] == VELVET:  # all directions above the surface alike
         above = at.normal[0] * wx + at.normal[1] * wy + at.normal[2] * wz
         return HALF * INV_PI if above > _ZERO else _ZERO
+    if is_toon(at.rough):
+        return pdf_toon(at, wx, wy, wz)
     return pdf_at(at, wx, wy, wz)
 
 

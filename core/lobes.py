@@ -32,7 +32,7 @@ class Lobes(NamedTuple):
     alpha: float32 (n,), width of D; narrow: float32 (n,), its width across ``tangent``, float32
         (n, 3), unit, along which it is alpha; 0 = it is round (stretched.py)
     diffuse: float32 (n, 3), reflectance of the Lambert lobe, layers above deducted; at once Cycles'
-        Diffuse Color (but of velvet: sheen.diffuse_colors)
+        Diffuse Color (but of what is glossy there: sheen.diffuse_colors)
     weight, f0: float32 (n, 2, 3), factor of the curve, and its value along the normal:
         DIELECTRIC: F = f0 + (1 - f0) dielectric_blend(cos, *fresnel)
         CONDUCTOR: F = f0 + (1 - f0) (1 - cos)^5 - edge cos (1 - cos)^6, cut to 0 ... 1
@@ -45,7 +45,7 @@ class Lobes(NamedTuple):
     smooth: float32 (n, 3), the surface's own normal, where the shading normal is another; bump:
         float32 (n,), tan^2 / 8 of the angle between them, at most 1; 0 = the same (bump_gain)
     rough: float32 (n, 4), rough_diffuse.py: factor of later bounces (r, g, b), and B; 0: Lambert's;
-        the last below 0: sheen.py
+        the last below 0: sheen.py, toon.py
     tint: float32 (n, 3); table: int32 (n,), row of ``tables``: of measured BRDFs
     tables: float32 (m, 90, 90, 180, 3), MeasuredBrdfs.values; the one array that is not by point
     """

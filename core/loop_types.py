@@ -24,7 +24,7 @@ from .stop_rule import perceptual_rule
 from .watch import StopFlag
 
 _KINDS = {"b": np.int8, "i": np.int32, "u": np.uint32, "f": np.float32}
-_POINTS = "i1 i1 f2 f2 f2 f2 f2 f1 f2"
+_POINTS = "i1 i1 f2 f2 f2 f2 f2 f1 f2 i1"
 _LOBES = "b1 b1 f1 f2 f3 f3 f2 f2 f2 f2 f2 f1 f1 f1 f2 f2 f2 f1 f2 f1 f2 f2 i1 f5"
 
 

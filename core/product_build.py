@@ -29,6 +29,7 @@ from .product import (
 )
 from .pyramid import level_offset
 from .sheen import add_sheen
+from .toon import fill_toon, is_toon
 
 # Blocks that cells of the base may have; cells of these blocks may have the rest.
 _MAX_FIRST = 24
@@ -253,6 +254,8 @@ def build_product(lobes, p, turned, cells, averages, levels, products, scratch):
         if lobes.rough[p, 3] <= HAIR:
             add_hair(lobes, p, cells, radius, leaves, scratch.spread)
             products.follow[p] = _SHEEN
+        elif is_toon(lobes.rough[p]):
+            products.follow[p] = fill_toon(lobes, p, cells, radius, leaves)
         elif lobes.rough[p, 3] < np.float32(0.0):
             add_sheen(lobes, p, cells, radius, leaves)
             products.follow[p] = _SHEEN

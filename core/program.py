@@ -77,7 +77,8 @@ class Closure(NamedTuple):
     """One BSDF of a mixture.
 
     model: as in MaterialParams, or TRANSLUCENT (DIFFUSE on the side away from the viewer), SHEEN,
-        VELVET_SHEEN (sheen.py); distribution: as there
+        VELVET_SHEEN (sheen.py), TOON, GLOSSY_TOON (toon.py: roughness is Size, diffuse_roughness
+        Smooth); distribution: as there
     weight: a colour, the factor of all it reflects
     params: column of MaterialParams -> its value; a missing one is that of the material's own row
     normal: a vector; None: the surface's own
@@ -191,15 +192,28 @@ class Shaders:
     programs: one a material; None where MaterialParams' row says all
     material_pass_index: float32, one a material
     aovs: what materials write into passes that are asked for
+    one_more: whether a ray of the camera goes through one surface more than a shadow ray may, as in
+        Cycles of Blender 4
     """
 
     programs: tuple[Program | None, ...]
     surface: SurfaceData
     material_pass_index: np.ndarray
     aovs: tuple[Aov, ...] = ()
+    one_more: bool = False
+
+    def passes_of_camera(self, most: int) -> int:
+        """How many surfaces a ray of the camera goes through; most: transparent_max_bounces."""
+        return most + 1 if self.one_more else max(most, 1)
 
     @property
     def scatters(self) -> bool:
         """Whether light leaves any surface elsewhere than it came in."""
-        closures = (c for program in self.programs if program is not None for c in program.closures)
-        return any(closure.subsurface is not None for closure in closures)
+        return any(closure.subsurface is not None for closure in self._closures())
+
+    def has_model(self, *models: int) -> bool:
+        """Whether any closure has one of these models."""
+        return any(closure.model in models for closure in self._closures())
+
+    def _closures(self):
+        return (c for program in self.programs if program is not None for c in program.closures)

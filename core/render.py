@@ -19,7 +19,7 @@ from .light_rays import Light
 from .paper_tables import PaperTables
 from .posed_lamps import shines_from_rest
 from .render_cache import RenderCache
-from .scene import Scene
+from .scene import GLOSSY_TOON, TOON, Scene
 from .sequence import common_points
 from .settings import RenderSettings
 from .stats import RenderStats
@@ -44,8 +44,10 @@ def render(
     cache = cache or RenderCache()
     if settings.estimator == "PAPER" and scene.shaders is not None:
         # Its tables are made for a material as a whole: MaterialParams holds means.
-        scene = dataclasses.replace(scene, shaders=None)
         stats.warnings.append("Mode PAPER shows textures and mixtures by one mean value a material")
+        if scene.shaders.has_model(TOON, GLOSSY_TOON):
+            stats.warnings.append("Mode PAPER shows Toon BSDFs as Diffuse and Glossy BSDFs")
+        scene = dataclasses.replace(scene, shaders=None)
     if settings.pixel_filter == "CENTER" and (
         scene.camera.lens or scene.camera.motion or scene.motion
     ):

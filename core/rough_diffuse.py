@@ -17,6 +17,7 @@ import numpy as np
 from ._jit import kernel
 from .microfacet import INV_PI, ONE, PI, ZERO
 from .sheen import sheen
+from .toon import is_toon, toon
 
 _K = np.float32(math.pi / 2.0 - 2.0 / 3.0)
 _TWO_THIRDS = np.float32(2.0 / 3.0)
@@ -53,8 +54,10 @@ def set_rough(params, p, cos_o, out):
 
 @kernel(forceinline=True)
 def roughened(at, wi_x, wi_y, wi_z, value):
-    """eval_lobes_at's value with its Lambert lobe made rough, or sheen: at.rough[3] is not 0."""
+    """eval_lobes_at's value with its Lambert lobe rough, sheen or toon: at.rough[3] is not 0."""
     if at.rough[3] < ZERO:
+        if is_toon(at.rough):
+            return toon(at, wi_x, wi_y, wi_z, value)
         return sheen(at, wi_x, wi_y, wi_z, value)
     n, wo, b = at.normal, at.wo, at.rough[3]
     cos_i = min(max(n[0] * wi_x + n[1] * wi_y + n[2] * wi_z, ZERO), ONE)

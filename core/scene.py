@@ -36,7 +36,7 @@ PANORAMAS = {
 
 # MaterialParams.model
 DIFFUSE, PRINCIPLED, GLOSSY, BLACK, MEASURED = 0, 1, 2, 3, 4
-TRANSLUCENT, SHEEN, VELVET_SHEEN = 5, 6, 7  # of Closure.model alone: kinds of DIFFUSE
+TRANSLUCENT, SHEEN, VELVET_SHEEN, TOON, GLOSSY_TOON = 5, 6, 7, 8, 9  # Closure.model: of DIFFUSE
 # Bits of Scene.object_flags
 CAMERA_RAYS, SHADOW_RAYS, HOLDOUT, SHADOW_CATCHER = 1, 2, 4, 8
 # Scene.terminator_offset of what is as round as its normals: all shadow rays start on that surface.

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .accel import MISS, Accel
-from .cutouts import MOST_LAYERS, behind, drawn_numbers, passing_shares
+from .cutouts import behind, drawn_numbers, passing_shares
 from .embree_rays import ALL_COLORS, Traversal
 from .moved_accel import Moves, moved, settled
 from .moving_accel import MovingAccel
@@ -25,6 +25,9 @@ from .scene import (
     Scene,
     TriangleMesh,
 )
+
+# Surfaces that a shadow ray goes through, where its hits are looked at one by one.
+_MOST_LAYERS = 64
 
 
 class PartAccel:
@@ -212,7 +215,7 @@ class SceneRays:
         rays = np.flatnonzero(~out)
         origins, directions = origins[rays], directions[rays]
         reach = np.full(len(rays), np.inf, np.float32) if reach is None else reach[rays]
-        for _ in range(MOST_LAYERS):
+        for _ in range(_MOST_LAYERS):
             hit, u, v = self._cut.intersect(origins, directions)
             points = posed_points(self._scene.pose, self._scene.mesh, hit, u, v, directions)
             way = points.position - origins[points.pixel]

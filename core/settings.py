@@ -24,6 +24,7 @@ LIMITS = {
     "seed": (0, (1 << 31) - 1),
     "threads": (0, 1024),
     "filter_width": (0.01, 10.0),
+    "transparent_max_bounces": (0, 1024),
     "tile_px": (8, 256),
 }
 CHOICES = {
@@ -63,6 +64,8 @@ class RenderSettings:
     filter_width: pixels, as Cycles means them: how far BLACKMAN_HARRIS reaches to either side, four
         standard deviations of GAUSSIAN; BOX
         is one pixel wide in any case
+    transparent_max_bounces: how many surfaces that let it through one ray of the camera goes
+        through; of what it meets then it shows what glows alone, as in Cycles
     decorrelation: what makes the points of two pixels differ: OWEN (Sobol's sequence, scrambled by
         a hash of pixel and seed; estimator PAPER takes PIXEL instead), PIXEL (Halton's, shifted by
         it) or NONE (Halton's, as printed in the paper)
@@ -83,6 +86,7 @@ class RenderSettings:
     coefficients: float = 0.05
     pixel_filter: str = "BLACKMAN_HARRIS"
     filter_width: float = 1.5
+    transparent_max_bounces: int = 8
     decorrelation: str = "OWEN"
     seed: int = 0
     threads: int = 0

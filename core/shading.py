@@ -24,6 +24,8 @@ class ShadingPoints(NamedTuple):
         (n,), the cosine below which a shadow ray gets part of it, 0 = none (terminator.py)
     through: float32 (n, 3), factor of what the camera sees of the point: colour of the cut-outs
         that its ray has gone through, over the probability of that (cutouts.py); 1 of none
+    passed: int32 (n,), how many surfaces its ray has gone through; -1: as many as it may, of what
+        it meets then it shows what glows alone
     """
 
     pixel: np.ndarray
@@ -35,6 +37,15 @@ class ShadingPoints(NamedTuple):
     lift: np.ndarray
     lift_below: np.ndarray
     through: np.ndarray
+    passed: np.ndarray
+
+    @property
+    def reflecting(self) -> np.ndarray:
+        """float32 (n, 3): through, of what reflects: 0 where only what glows is seen."""
+        ended = self.passed < 0
+        return (
+            np.where(ended[:, None], np.float32(0.0), self.through) if ended.any() else self.through
+        )
 
     def at(self, which) -> ShadingPoints:
         """Those of a slice, a mask or indices."""
@@ -62,7 +73,7 @@ class ShadingPoints(NamedTuple):
 
 @kernel
 def _interpolate(vertices, triangles, corner_normals, hit, u, v, directions, points):
-    """Fill all but pixel, lift_below and through."""
+    """Fill all but pixel, lift_below, through and passed."""
     for k in range(len(points.pixel)):
         pixel = points.pixel[k]
         triangle = hit[pixel]
@@ -118,8 +129,8 @@ def shading_points(
     pixel = np.flatnonzero(hit >= 0).astype(np.int32)
     n = len(pixel)
     vectors = (np.empty((n, 3), np.float32) for _ in range(5))
-    through = np.ones((n, 3), np.float32)
-    points = ShadingPoints(pixel, hit[pixel], *vectors, np.zeros(n, np.float32), through)
+    through, passed = np.ones((n, 3), np.float32), np.zeros(n, np.int32)
+    points = ShadingPoints(pixel, hit[pixel], *vectors, np.zeros(n, np.float32), through, passed)
     _interpolate(mesh.vertices, mesh.triangles, mesh.corner_normals, hit, u, v, directions, points)
     if terminator_offset is not None:
         # A flat face has no patch over it.

@@ -146,7 +146,7 @@ def sheen(at, wi_x, wi_y, wi_z, value):
 
 
 def diffuse_colors(lobes) -> np.ndarray:
-    """float32 (n, 3): Cycles' Diffuse Color; nothing of velvet and hair, which are glossy there."""
+    """float32 (n, 3): Cycles' Diffuse Color; nothing of what is glossy there."""
     kind = lobes.rough[:, 3:]
     return np.where((kind <= VELVET) & (kind > TRANSLUCENT_ROUND), ZERO, lobes.diffuse)
 

@@ -31,7 +31,8 @@ def surface_lobes(scene: Scene, points: ShadingPoints) -> tuple[ShadingPoints, L
     columns = Columns(scene, points)
     programs = scene.shaders.programs
     for which, number, context in _contexts(scene, points, programs):
-        layers, glow = _evaluate(programs[number], context, which, scene.pose, whole=True)
+        seen = which, points.passed[which], scene.pose
+        layers, glow = _evaluate(programs[number], context, *seen, whole=True)
         columns.params.emission[which] = glow
         picked, layers = _heaviest(layers)
         for k, layer in enumerate(layers):
@@ -66,7 +67,8 @@ def closure_layers(scene: Scene, points: ShadingPoints) -> list[PointClosures]:
     under: list[list[ClosureValues]] = []
     programs = scene.shaders.programs
     for which, number, context in _contexts(scene, points, programs):
-        layers, glow[which] = _evaluate(programs[number], context, which, scene.pose)
+        seen = which, points.passed[which], scene.pose
+        layers, glow[which] = _evaluate(programs[number], context, *seen)
         packed = _packed(layers)
         for kind, own in (
             (found, [layer for layer in packed if layer.media is None]),
@@ -116,7 +118,8 @@ def lambert_lobes(
     columns.write(whole, whole.which)
     programs = [p if p is not None and _bumps_media(p) else None for p in scene.shaders.programs]
     for which, number, context in _contexts(scene, points, programs):
-        layers, _ = _evaluate(programs[number], context, which, scene.pose)
+        seen = which, points.passed[which], scene.pose
+        layers, _ = _evaluate(programs[number], context, *seen)
         layer = next(own for own in layers if own.media is not None and own.normal is not None)
         columns.write(whole.at(which)._replace(normal=layer.normal, shadows=layer.shadows), which)
     return columns.made()
@@ -155,18 +158,19 @@ def _contexts(scene: Scene, points: ShadingPoints, programs):
 
 
 def _evaluate(
-    program: Program, context, which, pose, whole=False
+    program: Program, context, which, passed, pose, whole=False
 ) -> tuple[list[ClosureValues], np.ndarray]:
     """The closures of one material's points, and what these emit: negative too, as in Cycles.
 
-    whole: whether light from under the surface counts as the surface's own, and hair is matte
+    passed: of ShadingPoints, of these; whole: whether light from under the surface counts as the
+    surface's own, and hair is matte
     """
     evaluation = Evaluation(program, context)
 
     def turned(vectors):
         return posed_normals(pose, context.mesh, context.triangle, vectors)
 
-    opaque = opacity_gain(program, evaluation, len(which))
+    opaque = opacity_gain(program, evaluation, passed)
     layers = []
     for closure in program.closures:
         params = {

@@ -136,7 +136,8 @@ def trace_points(
     origins, directions, reach = rays[:3]
     looks = _that_look(origins, directions)
     hits = rays.hits if isinstance(rays, SurfaceRays) else None
-    return points_through(job.scene, job.accel, *looks, reach, dither, tints, hits, passed)
+    most = job.settings.transparent_max_bounces
+    return points_through(job.scene, job.accel, *looks, reach, dither, most, tints, hits, passed)
 
 
 def _that_look(origins, directions):

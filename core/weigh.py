@@ -137,7 +137,7 @@ def _shadow_bumps(at, numbers, s, end):
 
 @kernel
 def _weigh_rough(at, share, numbers, s, end):
-    """The same for a point whose Lambert lobe is rough or sheen, with gloss or without."""
+    """The same for a point whose Lambert lobe is rough, sheen or toon, with gloss or without."""
     for k in range(s, end):
         wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
         pdf = share * pdf_narrowest_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]

@@ -36,6 +36,8 @@ def copy_cycles_settings(scene) -> list[str]:
     iwis.use_animated_seed = cycles.use_animated_seed
     iwis.pixel_filter = cycles.pixel_filter_type  # BOX, GAUSSIAN or BLACKMAN_HARRIS
     iwis.filter_width = _within("filter_width", cycles.filter_width)
+    bounces = cycles.transparent_max_bounces
+    iwis.transparent_max_bounces = _within("transparent_max_bounces", bounces)
     _copy_denoising(cycles, "", iwis)
     _copy_denoising(cycles, "preview_", iwis.viewport)
     iwis.viewport.denoise_start = _within("max_samples", cycles.preview_denoising_start_sample)
@@ -43,7 +45,7 @@ def copy_cycles_settings(scene) -> list[str]:
         layer.iwis.use_denoising = layer.cycles.use_denoising
         layer.iwis.use_pass_denoising_data = layer.cycles.denoising_store_passes
     names = ["stop rule", "time limit", "samples", "thresholds", "seed", "pixel filter"]
-    return [*names, "denoising"]
+    return [*names, "transparent bounces", "denoising"]
 
 
 def _copy_denoising(cycles, prefix: str, own) -> None:

@@ -120,6 +120,7 @@ class IWIS_PT_sampling_advanced(IWISPanel, bpy.types.Panel):
             "coefficients",
             "batch_size",
             "decorrelation",
+            "transparent_max_bounces",
             "seed",
             "use_animated_seed",
         ):

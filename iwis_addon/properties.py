@@ -123,6 +123,13 @@ class IWISSceneProperties(bpy.types.PropertyGroup):
             subtype="PIXEL",
         )
     )
+    transparent_max_bounces: IntProperty(
+        **_number(
+            "transparent_max_bounces",
+            name="Transparent Max Bounces",
+            description="Transparent surfaces that a ray may go through; behind them it is black",
+        )
+    )
     decorrelation: EnumProperty(
         **_choice(
             "decorrelation",

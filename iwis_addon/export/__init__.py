@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import bpy
 import numpy as np
 
 from ...core.asked_passes import NO_PASSES
@@ -192,4 +193,5 @@ def _shaders(
         surface=surface,
         material_pass_index=materials.pass_index,
         aovs=aovs.aovs,
+        one_more=bpy.app.version < (5, 0),
     )

@@ -20,9 +20,12 @@ from ...core.scene import (
     BLACK,
     DIFFUSE,
     GGX,
+    GLOSSY,
+    GLOSSY_TOON,
     MULTI_GGX,
     PRINCIPLED,
     SHEEN,
+    TOON,
     TRANSLUCENT,
     VELVET_SHEEN,
     MaterialParams,
@@ -68,7 +71,8 @@ class _Surface:
 
 
 _NOTHING = _Surface(model=BLACK)
-_LIKE_LAMBERTS = (TRANSLUCENT, SHEEN, VELVET_SHEEN)  # of closures alone, not of rows
+_LIKE_LAMBERTS = (TRANSLUCENT, SHEEN, VELVET_SHEEN, TOON)
+_OF_CLOSURES = (*_LIKE_LAMBERTS, GLOSSY_TOON)  # models that no row has
 # Where there is no material, Cycles shows a new Principled BSDF; before Blender 5 a diffuse grey.
 _NO_MATERIAL = (
     _Surface(model=PRINCIPLED, distribution=MULTI_GGX) if bpy.app.version >= (5, 0) else _Surface()
@@ -207,7 +211,7 @@ def _is_row(closures, emission) -> bool:
         return True
     closure = closures[0]
     more = (closure.normal, closure.grain, closure.subsurface, closure.hair)
-    if len(closures) > 1 or more != (None,) * 4 or closure.model in _LIKE_LAMBERTS:
+    if len(closures) > 1 or more != (None,) * 4 or closure.model in _OF_CLOSURES:
         return False
     whole = is_constant(closure.weight) and np.all(np.minimum(closure.weight, 1.0) == 1.0)
     return bool(whole) and all(map(is_constant, closure.params.values()))
@@ -228,8 +232,18 @@ def _row_of(closures, emission, builder) -> _Surface:
         values = {name: value.tolist() for name, value in params.items()}
         values = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
         model = DIFFUSE if heaviest.model in _LIKE_LAMBERTS else heaviest.model
+        if heaviest.model in (TOON, GLOSSY_TOON):
+            size, smooth = values["roughness"], values.pop("diffuse_roughness")
+            values["roughness"] = _roughness_of_cap(size, smooth)
+            model = DIFFUSE if heaviest.model == TOON else GLOSSY
         surface = _Surface(model=model, distribution=heaviest.distribution, **values)
     return dataclasses.replace(surface, emission=tuple(map(float, glow)))
+
+
+def _roughness_of_cap(size: float, smooth: float) -> float:
+    """Of a GGX lobe that spreads what it mirrors as a toon cap does: half within the same angle."""
+    reach = 0.5 * np.pi * float(np.clip(size, 0.0, 1.0) + 0.5 * np.clip(smooth, 0.0, 1.0))
+    return min(float(np.sqrt(reach / np.sqrt(8.0))), 1.0)
 
 
 def _finite(surface: _Surface, reader) -> _Surface:

@@ -9,7 +9,16 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.program import Closure, Value
-from ...core.scene import DIFFUSE, GLOSSY, MULTI_GGX, PRINCIPLED, SHEEN, VELVET_SHEEN
+from ...core.scene import (
+    DIFFUSE,
+    GLOSSY,
+    GLOSSY_TOON,
+    MULTI_GGX,
+    PRINCIPLED,
+    SHEEN,
+    TOON,
+    VELVET_SHEEN,
+)
 from .hair_shaders import HairShaders
 from .node_values import follow
 from .program_builder import ProgramBuilder
@@ -65,6 +74,7 @@ class ShaderReader(HairShaders):
             "ShaderNodeAddShader": self._add,
             "ShaderNodeHoldout": self._holdout,
             "ShaderNodeBsdfSheen": self._sheen,
+            "ShaderNodeBsdfToon": self._toon,
             "ShaderNodeBsdfTranslucent": self._translucent,
             "ShaderNodeBsdfGlass": self._glass,
             "ShaderNodeBsdfRefraction": self._refraction,
@@ -148,6 +158,15 @@ class ShaderReader(HairShaders):
             "diffuse_roughness": ZERO,
         }
         model = SHEEN if node.distribution == "MICROFIBER" else VELVET_SHEEN
+        self._close(node, groups, weight, model, **params)
+
+    def _toon(self, node, groups, weight):
+        params = {
+            "base_color": self._builder.color(node, "Color", groups),
+            "roughness": self._builder.number(node, "Size", groups),
+            "diffuse_roughness": self._builder.number(node, "Smooth", groups),
+        }
+        model = TOON if node.component == "DIFFUSE" else GLOSSY_TOON
         self._close(node, groups, weight, model, **params)
 
     def _coat(self, node, groups, weight):

@@ -1,11 +1,11 @@
-"""Materials of the open file with a grain, or with sheen."""
+"""Materials of the open file with a grain, sheen or toon."""
 
 import numpy as np
 import pytest
 
 from iwis.core.nodes.layers import grain
 from iwis.core.program import Ref
-from iwis.core.scene import DIFFUSE, SHEEN, VELVET_SHEEN
+from iwis.core.scene import DIFFUSE, GLOSSY, GLOSSY_TOON, SHEEN, TOON, VELVET_SHEEN
 from support.material_builds import Build, only, program_of
 
 
@@ -101,3 +101,20 @@ def test_sheen_node(build, distribution, model):
     assert not warnings and row["model"] == DIFFUSE  # mode PAPER
     (closure,) = program_of(build).closures
     assert closure.model == model
+
+
+@pytest.mark.parametrize(
+    ("component", "model", "nearest"), [("DIFFUSE", TOON, DIFFUSE), ("GLOSSY", GLOSSY_TOON, GLOSSY)]
+)
+def test_toon_node(build, component, model, nearest):
+    """A closure of its own; the row, for mode PAPER, has a lobe about as wide, which is smooth."""
+    values = {"Size": 0.3, "Smooth": 0.2, "Color": (0.2, 0.3, 0.4, 1.0)}
+    row, warnings = only(
+        build.surface(build.node("ShaderNodeBsdfToon", **values, component=component))
+    )
+    assert not warnings and row["model"] == nearest and row["diffuse_roughness"] == 0.0
+    np.testing.assert_allclose(row["roughness"], (0.4 * np.pi / 2.0 / 8.0**0.5) ** 0.5, rtol=1e-6)
+    (closure,) = program_of(build).closures
+    assert closure.model == model
+    np.testing.assert_allclose(closure.params["roughness"], 0.3, rtol=1e-6)
+    np.testing.assert_allclose(closure.params["diffuse_roughness"], 0.2, rtol=1e-6)

@@ -18,7 +18,7 @@ def build(scene):
 )
 def test_warnings_name_objects(build, users, where):
     """The first object that has the material, and how many more."""
-    build.surface(build.node("ShaderNodeBsdfToon", "Hole"))
+    build.surface(build.node("ShaderNodeBsdfRayPortal", "Hole"))
     warnings = []
     export_materials([build.material], warnings, [users])
     assert len(warnings) == 1
@@ -26,7 +26,6 @@ def test_warnings_name_objects(build, users, where):
 
 
 OTHERS = {
-    "ShaderNodeBsdfToon": DIFFUSE,
     "ShaderNodeBsdfRayPortal": DIFFUSE,
     "ShaderNodeEeveeSpecular": DIFFUSE,
     "ShaderNodeVolumeScatter": DIFFUSE,

@@ -58,8 +58,10 @@ def test_cycles_settings_are_taken_over(scene):
     scene.cycles.use_adaptive_sampling, scene.cycles.adaptive_threshold = True, 0.01
     scene.cycles.samples, scene.cycles.seed = 300, 7
     scene.cycles.use_animated_seed, scene.cycles.pixel_filter_type = True, "BOX"
+    scene.cycles.transparent_max_bounces = 0
     copy_cycles_settings(scene)
     iwis = scene.iwis
+    assert iwis.transparent_max_bounces == 0
     assert iwis.error_threshold == pytest.approx(RenderSettings().error_threshold)
     assert (iwis.max_samples, iwis.seed, iwis.pixel_filter) == (300, 7, "BOX")
     assert iwis.use_animated_seed and iwis.stop_rule == "PERCEPTUAL"

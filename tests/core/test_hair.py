@@ -40,7 +40,7 @@ def _product(wo, side, **values):
 
     wo = np.array(wo) / np.linalg.norm(wo)
     world = light_of(constant_world())
-    return PointProduct(world, diffuse((1.0, 1.0, 1.0)), wo=wo, prepare=prepare)
+    return PointProduct(world, diffuse((1.0, 1.0, 1.0)), wo=wo, change=prepare)
 
 
 def _round(wo, wi, **values):

@@ -111,17 +111,18 @@ def test_other_materials_have_products_of_their_own(other):
     np.testing.assert_array_equal(_products(lobes, ALIKE).own, [0, 1] * 4)
 
 
-def test_stretched_gloss_and_sheen_do_not_share():
+def test_stretched_gloss_sheen_and_toon_do_not_share():
     """Their products are made of more than what points are compared by."""
     lobes = _lobes(np.tile(UP, (4, 1)), SEEN_FROM, {"metallic": 1.0, "roughness": 0.3})
     assert (_products(lobes, ALIKE).own == 0).all()
     stretched = lobes._replace(narrow=np.full(4, 0.02, np.float32))
     np.testing.assert_array_equal(_products(stretched, ALIKE).own, np.arange(4))
     matte = _lobes(np.tile(UP, (4, 1)), SEEN_FROM, {"specular_level": 0.0})
-    rough = np.tile(np.float32([0.5, 0.0, 0.0, -1.0]), (4, 1))
     assert (_products(matte, ALIKE).own == 0).all()
-    own = _products(matte._replace(rough=rough), ALIKE).own
-    np.testing.assert_array_equal(own, np.arange(4))
+    for kind in (-1.0, -2.0, -3.0, -4.0):  # sheen and toon
+        rough = np.tile(np.float32([0.5, 0.0, 0.2, kind]), (4, 1))
+        own = _products(matte._replace(rough=rough), ALIKE).own
+        np.testing.assert_array_equal(own, np.arange(4))
 
 
 def _samples(light, normal, wo, apart, count, **parameters):
@@ -134,6 +135,7 @@ def _samples(light, normal, wo, apart, count, **parameters):
         *(zeros, wo, normal, normal, zeros),
         np.zeros(n, np.float32),
         zeros,
+        np.zeros(n, np.int32),
     )
     lobes = setup_lobes(material(n, **parameters), normal, normal, wo)
     sequence = random_sequence(np.random.default_rng(7), n, count, "OWEN")

@@ -12,6 +12,7 @@ from iwis.core.scene import (
     DIFFUSE,
     GGX,
     GLOSSY,
+    TOON,
     TRANSLUCENT,
     EnvironmentMap,
 )
@@ -267,3 +268,15 @@ def test_paper_mode_shows_the_row_and_says_so():
     for name, layer in theirs.items():
         np.testing.assert_array_equal(ours[name], layer)
     assert any("PAPER" in line for line in stats.warnings)
+
+
+@pytest.mark.slow  # tables
+def test_paper_mode_says_that_it_has_no_toon():
+    """And says nothing of it where there is none."""
+    params = {"base_color": _ONE, "roughness": np.float32(0.3)}
+    for model in (DIFFUSE, TOON):
+        closure = Closure(model, GGX, _ONE, params | {"diffuse_roughness": np.float32(0.0)})
+        scene = _one_program(Program(ops=(), closures=(closure,)), diffuse())
+        small = {"estimator": "PAPER", "max_samples": 8, "stop_rule": "FIXED"}
+        told = [line for line in make_picture(scene, **small)[1].warnings if "Toon" in line]
+        assert len(told) == (model == TOON)

@@ -56,6 +56,7 @@ def _largest_samples(light, normal, wo, count, rng, **parameters):
         zeros,
         np.zeros(n, np.float32),
         zeros,
+        np.zeros(n, np.int32),
     )
     lobes = setup_lobes(material(n, **parameters), normal, normal, wo)
     sampler = UnbiasedSampler(points, lobes, light, random_sequence(rng, n, count, "OWEN"), 0.0)
@@ -117,5 +118,5 @@ def test_constant_and_black_worlds(roughness, rng):
     dark = light_of(EnvironmentMap(radiance=np.zeros((4, 8, 3), np.float32)))
     n = len(normal)
     lobes = setup_lobes(material(n, **parameters), *(a.astype(np.float32) for a in (normal,) * 3))
-    points = ShadingPoints(*(np.zeros(n, np.int32) for _ in range(9)))
+    points = ShadingPoints(*(np.zeros(n, np.int32) for _ in ShadingPoints._fields))
     assert not UnbiasedSampler(points, lobes, dark, random_sequence(rng, n, 4), 0.0).lit().any()

@@ -1,6 +1,7 @@
 """The list of all cases."""
 
 from . import (
+    bounce_cases,
     clear_cases,
     closure_cases,
     coordinate_cases,
@@ -21,6 +22,7 @@ from . import (
     shown_lamp_cases,
     subsurface_cases,
     texture_cases,
+    toon_cases,
     value_cases,
     view_cases,
     world_cases,
@@ -35,6 +37,7 @@ _FAMILIES = (
     texture_cases,
     lit_cases,
     closure_cases,
+    toon_cases,
     subsurface_cases,
     clear_cases,
     normal_cases,
@@ -50,6 +53,7 @@ _FAMILIES = (
     shown_lamp_cases,
     falloff_cases,
     pane_cases,
+    bounce_cases,
     motion_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

@@ -35,7 +35,7 @@ def shader(dice: Dice, tree, depth: int, opaque=False):
 
 def _closure(dice, tree, opaque):
     kinds = [_diffuse, _diffuse, _principled, _principled, _glossy, _metallic, _sheen, _emission]
-    kinds += [] if opaque else [_transparent, _translucent]
+    kinds += [_toon] if opaque else [_toon, _transparent, _translucent]
     kind = dice.of(*kinds)
     dice.tell(kind.__name__[1:])
     return kind(dice, tree)
@@ -103,6 +103,13 @@ def _sheen(dice, tree):
     inputs = {"Color": values.color(dice, tree), "Roughness": dice.between(0.1, 1.0)}
     kind = dice.of("MICROFIBER", "ASHIKHMIN")
     return tree.made("ShaderNodeBsdfSheen", 0, inputs, distribution=kind)
+
+
+def _toon(dice, tree):
+    inputs = {"Color": values.color(dice, tree), "Size": dice.edge(0.0, 1.0)}
+    inputs["Smooth"] = dice.edge(0.0, 0.5)
+    kind = dice.of("DIFFUSE", "GLOSSY")
+    return tree.made("ShaderNodeBsdfToon", 0, inputs | _normal(dice, tree), component=kind)
 
 
 def _emission(dice, tree):

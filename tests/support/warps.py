@@ -42,7 +42,7 @@ class PointProduct:
     """The product of ``light`` and one material seen from wo.
 
     products: Products of the one point; total: its sum; lobes: Lobes of the point
-    prepare: what is done to the lobes first
+    change: what changes them before the product is made
     """
 
     def __init__(
@@ -52,11 +52,11 @@ class PointProduct:
         normal=(0.0, 0.0, 1.0),
         wo=(0.0, 0.6, 0.8),
         turned=0.0,
-        prepare=lambda lobes: None,
+        change=lambda lobes: None,
     ):
         normal, wo = np.float32([normal]), np.float32([wo])
         self.lobes = setup_lobes(make_materials(material), normal, normal, wo)
-        prepare(self.lobes)
+        change(self.lobes)
         self.light, self.products = light, new_products(1, True)
         own = self.lobes, 0, np.float32(turned), light.cells, *light.pyramid[:2], self.products
         build_product(*own, new_block_scratch())
