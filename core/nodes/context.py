@@ -137,6 +137,11 @@ class ShadeContext:
         _places().invert(matrices, self.object, done, inverses)
         return inverses
 
+    @property
+    def corners(self) -> np.ndarray | None:
+        """float32 (n, 3, 3): of the points' triangles, world space; None: they are on none."""
+        return self._shape.vertices[self._shape.triangles[self._faces]]
+
     @cached_property
     def backfacing(self) -> np.ndarray:
         """float32 (n,): 1 where the camera sees the back."""

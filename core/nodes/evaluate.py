@@ -19,6 +19,7 @@ from . import (
     normals,
     patterns,
     voronoi,
+    wireframe,
     world,
 )
 from .context import ShadeContext
@@ -38,6 +39,7 @@ for family in (
     patterns,
     ies,
     falloff,
+    wireframe,
     world,
 ):
     FUNCTIONS |= family.FUNCTIONS

@@ -57,6 +57,7 @@ SETTINGS = {
     "ShaderNodeTexMagic": ("turbulence_depth",),
     "ShaderNodeTexBrick": ("offset", "offset_frequency", "squash", "squash_frequency"),
     "ShaderNodeTexWhiteNoise": ("noise_dimensions",),
+    "ShaderNodeWireframe": ("use_pixel_size",),
 }
 # Nodes whose outputs depend on nothing but their inputs.
 PURE = {

@@ -14,6 +14,7 @@ from . import (
     link_cases,
     lit_cases,
     motion_cases,
+    near_cases,
     normal_cases,
     pane_cases,
     property_cases,
@@ -49,5 +50,6 @@ _FAMILIES = (
     falloff_cases,
     pane_cases,
     motion_cases,
+    near_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []
