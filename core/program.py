@@ -168,12 +168,16 @@ class Shaders:
     programs: one a material; None where MaterialParams' row says all
     material_pass_index: float32, one a material
     aovs: what materials write into passes that are asked for
+    near_distance: metres that nodes look around for what is near, which do not say how far
+    near: near_rays.NearRays, which a render puts here for them; None: nothing is near
     """
 
     programs: tuple[Program | None, ...]
     surface: SurfaceData
     material_pass_index: np.ndarray
     aovs: tuple[Aov, ...] = ()
+    near_distance: float = 10.0
+    near: object | None = None
 
     @property
     def scatters(self) -> bool:

@@ -3,7 +3,7 @@
 values       arithmetic of numbers (n,) and vectors (n, 3)
 context      what a node may ask of the points
 coordinates, images, arithmetic, color, normals, noise, voronoi, patterns, element_info, ies,
-falloff, wireframe
+falloff, near, wireframe
              the nodes, one file a family
 evaluate     a program's operations in their order
 world        what a node may ask of a direction that meets nothing

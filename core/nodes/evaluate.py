@@ -15,6 +15,7 @@ from . import (
     ies,
     images,
     layers,
+    near,
     noise,
     normals,
     patterns,
@@ -39,6 +40,7 @@ for family in (
     patterns,
     ies,
     falloff,
+    near,
     wireframe,
     world,
 ):

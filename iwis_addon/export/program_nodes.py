@@ -207,7 +207,21 @@ def _light_falloff(builder, node, groups):
     return builder.add_node(node, groups, LIGHT_FALLOFF, inputs, {"outputs": set()})
 
 
+def _ambient_occlusion(builder, node, groups):
+    """A distance that is 0, however it is made, is the world's."""
+    inputs = builder.inputs(node, groups)
+    distance = inputs["Distance"]
+    settings = {
+        "samples": node.samples,
+        "inside": node.inside,
+        "only_local": node.only_local,
+        "everywhere": not isinstance(distance, Ref) and float(distance) == 0.0,
+    }
+    return builder.add_node(node, groups, node.bl_idname, inputs, settings)
+
+
 HANDLERS = {
+    "ShaderNodeAmbientOcclusion": _ambient_occlusion,
     "ShaderNodeBlackbody": _blackbody,
     "ShaderNodeTexCoord": _texture_coordinate,
     "ShaderNodeUVMap": _uv_map,

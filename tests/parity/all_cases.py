@@ -14,8 +14,8 @@ from . import (
     link_cases,
     lit_cases,
     motion_cases,
-    near_cases,
     normal_cases,
+    occlusion_cases,
     pane_cases,
     property_cases,
     shown_lamp_cases,
@@ -23,6 +23,7 @@ from . import (
     texture_cases,
     value_cases,
     view_cases,
+    wireframe_cases,
     world_cases,
 )
 from .cases import CASES
@@ -50,6 +51,7 @@ _FAMILIES = (
     falloff_cases,
     pane_cases,
     motion_cases,
-    near_cases,
+    wireframe_cases,
+    occlusion_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

@@ -1,4 +1,4 @@
-"""Nodes that ask what is near: Wireframe."""
+"""The Wireframe node, before each kind of camera."""
 
 import math
 
