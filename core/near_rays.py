@@ -1,4 +1,5 @@
-"""What shader nodes ask of the surfaces around a point, of Embree: ambient occlusion.
+"""What shader nodes ask of the surfaces around a point, of Embree: how open
+it is there (Ambient Occlusion), and how edges look that are rounded (Bevel, bevel.py).
 
 What a point draws comes from its place and the seed, so that it is the same whatever tile it is in,
 and whoever asks: what lets light through and what is seen of it agree. Points of a pixel's passes
@@ -14,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .bevel import rounded_normals
 from .microfacet import basis, to_world
-from .poses import posed_normals, posed_points
+from .poses import normals_at_rest, posed_normals, posed_points
 from .program_ops import asks_around
 from .scene import Scene
 from .sequence import PixelSequence, sequence_point, sobol_points
@@ -26,7 +28,7 @@ from .shading import ShadingPoints
 _AT_ONCE = 64
 _RAYS = 1 << 18  # at once
 _MOST_LAYERS = 64  # of other objects, that a ray goes through which looks for its own
-_SEED = 0x2C1B3C6D
+_OPEN, _ROUNDED = 0x2C1B3C6D, 0x297A2D39  # seeds: what is asked for draws its own numbers
 _ZERO, _ONE, _TWO = np.float32(0.0), np.float32(1.0), np.float32(2.0)
 _EIGHTH = np.float32(math.pi / 4.0)  # of a turn
 
@@ -48,12 +50,30 @@ class NearPoints(NamedTuple):
         normal: float32 (n, 3), unit, where the mesh table has the point; reach: float32 (n,),
         metres; local: whether the point's own object alone counts
         """
-        share, each = np.ones(len(normal), np.float32), self.rays.rays_of_point(count)
-        looks = np.flatnonzero(reach > 0.0)
-        for some in np.split(looks, range(_RAYS // each, len(looks), max(_RAYS // each, 1))):
-            own = self.points.at(some)
-            share[some] = self.rays.open_share(own, normal[some], reach[some], each, local)
+        share = np.ones(len(normal), np.float32)
+        count = self.rays.rays_of_point(count)
+        for some in _in_parts(reach > 0.0, count):
+            own = self.points.at(some), normal[some], reach[some]
+            share[some] = self.rays.open_share(*own, count, local)
         return share
+
+    def rounded_normal(self, radius, count: int) -> np.ndarray:
+        """float32 (n, 3): the normal of the edges around, rounded, by ``count`` rays; unit, of the
+        mesh's front, where the mesh table has the point; 0 where there is none.
+
+        radius: float32 (n,), metres
+        """
+        normal = np.zeros((len(radius), 3), np.float32)
+        count = self.rays.rays_of_point(count)
+        for some in _in_parts(radius > 0.0, count):
+            normal[some] = self.rays.rounded_normal(self.points.at(some), radius[some], count)
+        return normal
+
+
+def _in_parts(which: np.ndarray, count: int):
+    """Rows of a mask, bool (n,), some at a time, that have ``count`` rays each."""
+    rows, step = np.flatnonzero(which), max(_RAYS // count, 1)
+    return (rows[first : first + step] for first in range(0, len(rows), step))
 
 
 class NearRays:
@@ -82,7 +102,9 @@ class NearRays:
         origins, directions = (np.empty((n * count, 3), np.float32) for _ in range(2))
         own = points.position, points.geometric_normal, np.ascontiguousarray(normal, np.float32)
         offset = np.float32(self._accel.offset)
-        _fill_cosine_rays(*own, self._sequence(points, count), count, offset, origins, directions)
+        _fill_cosine_rays(
+            *own, self._sequence(points, count, _OPEN), count, offset, origins, directions
+        )
         of = np.repeat(np.arange(n, dtype=np.int32), count)
         if local:
             objects = self._scene.mesh.object_index[points.triangle]
@@ -91,9 +113,17 @@ class NearRays:
             met = self._accel.throwing.occluded(origins, directions, None, reach[of], of)
         return 1.0 - met.reshape(n, count).mean(axis=1, dtype=np.float32)
 
-    def _sequence(self, points: ShadingPoints, count: int) -> PixelSequence:
-        x = _hashed(points.position, self._settings.seed ^ _SEED)
-        y = _hashed(points.position, self._settings.seed ^ _SEED ^ 0x5BD1E995)
+    def rounded_normal(self, points: ShadingPoints, radius, count: int):
+        """See NearPoints."""
+        own = self._scene, self._accel.every, points, radius
+        normal = rounded_normals(*own, count, self._sequence(points, count, _ROUNDED))
+        size = np.sqrt(np.einsum("ij,ij->i", normal, normal))
+        normal /= np.where(size > 0.0, size, np.float32(1.0))[:, None]
+        return normals_at_rest(self._scene.pose, self._scene.mesh, points.triangle, normal)
+
+    def _sequence(self, points: ShadingPoints, count: int, what: int) -> PixelSequence:
+        seed = self._settings.seed ^ what
+        x, y = (_hashed(points.position, own) for own in (seed, seed ^ 0x5BD1E995))
         return PixelSequence(sobol_points(count), x, y, True)
 
     def _meets_own(self, origins, directions, reach, objects) -> np.ndarray:
@@ -143,7 +173,7 @@ def _hashed(positions: np.ndarray, seed: int) -> np.ndarray:
 
 @kernel(forceinline=True)
 def _on_disk(a, b):
-    """A place on the unit disk of one in [-1, 1) squared, rings of squares, as Cycles': by how much
+    """A place on the unit disk of one in [-1, 1) squared [ShirleyChiu97], as Cycles': by how much
     the few rays of a point differ, a threshold of it shows."""
     if a == _ZERO and b == _ZERO:
         return _ZERO, _ZERO

@@ -7,7 +7,7 @@ from .program import Op, Program, Ref, Shaders, Value
 _OF_RAYS = ("ShaderNodeFresnel", "ShaderNodeLayerWeight", "under_coat", "under_sheen")
 _RAY_OUTPUTS = {"Incoming", "Backfacing", "Ray Length", "Ray Depth", "Transparent Depth"}
 
-_AROUND = ("ShaderNodeAmbientOcclusion",)
+_AROUND = ("ShaderNodeAmbientOcclusion", "ShaderNodeBevel")
 
 
 def ops_behind(program: Program, value: Value) -> list[Op]:

@@ -1,4 +1,4 @@
-"""Nodes that ask what is around a point (core/near_rays.py): Ambient Occlusion.
+"""Nodes that ask what is around a point (core/near_rays.py): Ambient Occlusion, Bevel.
 
 Where nobody can answer nothing is near: for shadow rays, and where a surface's light is looked up,
 as in Cycles; for what stands for a material as a whole.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..rows import any_in_row
 from .values import as_number, as_vector, column, normalized
 
 
@@ -24,4 +25,19 @@ def ambient_occlusion(context, settings, inputs):
     return {"AO": share, "Color": column(share) * inputs["Color"]}
 
 
-FUNCTIONS = {"ShaderNodeAmbientOcclusion": ambient_occlusion}
+def bevel(context, settings, inputs):
+    """settings: samples"""
+    near, n, normal = context.near, len(context), context.normal
+    if near is not None:
+        found = near.rounded_normal(as_number(inputs["Radius"], n), settings["samples"])
+        found = np.where(column(context.backfacing) > 0.0, -found, found)
+        normal = np.where(any_in_row(found)[:, None], found, normal)
+    if "Normal" in inputs:
+        normal = normalized(as_vector(inputs["Normal"], n) + (normal - context.normal))
+    return {"Normal": normal}
+
+
+FUNCTIONS = {
+    "ShaderNodeAmbientOcclusion": ambient_occlusion,
+    "ShaderNodeBevel": bevel,
+}

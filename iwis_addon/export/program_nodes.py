@@ -46,6 +46,7 @@ SETTINGS = {
     "ShaderNodeLightPath": (),
     "ShaderNodeHairInfo": (),
     "ShaderNodePointInfo": (),
+    "ShaderNodeBevel": ("samples",),
     "ShaderNodeBump": ("invert",),
     "ShaderNodeFresnel": (),
     "ShaderNodeLayerWeight": (),
@@ -210,6 +211,8 @@ def _light_falloff(builder, node, groups):
 def _ambient_occlusion(builder, node, groups):
     """A distance that is 0, however it is made, is the world's."""
     inputs = builder.inputs(node, groups)
+    if builder.displaced is not None:
+        inputs.setdefault("Normal", builder.displaced)
     distance = inputs["Distance"]
     settings = {
         "samples": node.samples,

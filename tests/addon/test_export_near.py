@@ -1,4 +1,4 @@
-"""Nodes that ask what is near, as they are exported: Ambient Occlusion."""
+"""Nodes that ask what is near, as they are exported: Ambient Occlusion, Bevel."""
 
 import bpy
 import pytest
@@ -67,3 +67,16 @@ def test_a_material_that_shines_says_how_it_lights(build):
     assert found.shaders.near_distance == 2.5
     told = [line for line in warnings if "depends on what is near" in line]
     assert len(told) == 1 and 'object "Plane", material "M"' in told[0]
+
+
+def test_bevel_has_its_samples_and_a_normal_if_linked(build):
+    """Nothing is warned of; shadows ask for no normal."""
+    node = build.node("ShaderNodeBevel", samples=7, Radius=0.2)
+    diffuse = build.node("ShaderNodeBsdfDiffuse", links=[("Normal", node.outputs[0])])
+    build.surface(diffuse)
+    (op,) = program_of(build).ops
+    assert op.settings["samples"] == 7 and set(op.inputs) == {"Radius"}
+    assert exported(build)[1] == []
+    coordinates = build.node("ShaderNodeTexCoord")
+    build.link(coordinates.outputs["Normal"], node.inputs["Normal"])
+    assert {"Radius", "Normal"} <= set(program_of(build).ops[-1].inputs)

@@ -1,6 +1,7 @@
 """The list of all cases."""
 
 from . import (
+    bevel_cases,
     clear_cases,
     closure_cases,
     coordinate_cases,
@@ -53,5 +54,6 @@ _FAMILIES = (
     motion_cases,
     wireframe_cases,
     occlusion_cases,
+    bevel_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []
