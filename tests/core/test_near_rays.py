@@ -7,10 +7,15 @@ import pytest
 
 from iwis.core.near_rays import with_near_rays
 from iwis.core.program import Closure, Op, Program, Ref
+from iwis.core.progressive import Pace, render_progressive
+from iwis.core.render_cache import RenderCache
 from iwis.core.scene import BLACK, CAMERA_RAYS, GGX, SHADOW_RAYS
+from iwis.core.settings import RenderSettings
+from iwis.core.watch import StopFlag
 from support.programs import with_programs
 from support.scenes import (
     black,
+    box,
     camera_at,
     constant_world,
     floor,
@@ -129,6 +134,35 @@ def test_same_picture_whatever_the_tiles_and_threads(pixel_filter):
     )
     np.testing.assert_array_equal(small, whole)
     assert (_seen(scene, pixel_filter, seed=1) != whole).any()
+
+
+@pytest.mark.parametrize("pixel_filter", FILTERS)
+def test_rounded_edges_are_the_same_whatever_the_tiles(pixel_filter):
+    """A box as bright as its rounded normals are along x."""
+    op = Op("ShaderNodeBevel", {"Radius": np.float32(0.3)}, {"samples": 4})
+    whole = (Closure(BLACK, GGX, ONE, {}),)
+    program = Program(ops=(op,), closures=whole, emission=Ref(0, "Normal"))
+    scene = _scene([box((-0.2, -0.2, -0.5), (0.2, 0.2, 0.0))], program)
+    small, whole = (
+        _seen(scene, pixel_filter, tile_px=size, threads=threads)
+        for size, threads in ((8, 2), (64, 1))
+    )
+    np.testing.assert_array_equal(small, whole)
+    assert whole.max() > 0.2 and whole.min() < -0.2  # the top is seen, and at its edges turned
+
+
+def test_a_window_shows_what_a_render_shows():
+    """A coarse picture is as open in the mean; the last one is the render's, to the last bit."""
+    scene, shown = _under_roof(_glows()), []
+    settings = RenderSettings(pixel_filter="CENTER", max_samples=8, stop_rule="FIXED", threads=1)
+    own = RenderCache(), Pace(), StopFlag(), StopFlag()
+    render_progressive(scene, settings, lambda picture: shown.append(_of(picture)), *own)
+    assert len(shown) > 1 and abs(shown[0].mean() - 0.25) < 0.2  # some pixel of 64 rays: .05
+    np.testing.assert_array_equal(shown[-1], _seen(scene, max_samples=8))
+
+
+def _of(picture):
+    return picture.layers["combined"][..., 0].copy()
 
 
 def test_one_ray_of_a_point_is_seen_or_not():
