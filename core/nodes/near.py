@@ -27,13 +27,14 @@ def ambient_occlusion(context, settings, inputs):
 
 def bevel(context, settings, inputs):
     """settings: samples"""
-    near, n, normal = context.near, len(context), context.normal
+    near, n = context.near, len(context)
+    own = normal = as_vector(inputs.get("Surface", context.normal), n)
     if near is not None:
         found = near.rounded_normal(as_number(inputs["Radius"], n), settings["samples"])
         found = np.where(column(context.backfacing) > 0.0, -found, found)
         normal = np.where(any_in_row(found)[:, None], found, normal)
     if "Normal" in inputs:
-        normal = normalized(as_vector(inputs["Normal"], n) + (normal - context.normal))
+        normal = normalized(as_vector(inputs["Normal"], n) + (normal - own))
     return {"Normal": normal}
 
 

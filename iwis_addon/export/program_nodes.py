@@ -46,7 +46,6 @@ SETTINGS = {
     "ShaderNodeLightPath": (),
     "ShaderNodeHairInfo": (),
     "ShaderNodePointInfo": (),
-    "ShaderNodeBevel": ("samples",),
     "ShaderNodeBump": ("invert",),
     "ShaderNodeFresnel": (),
     "ShaderNodeLayerWeight": (),
@@ -208,6 +207,15 @@ def _light_falloff(builder, node, groups):
     return builder.add_node(node, groups, LIGHT_FALLOFF, inputs, {"outputs": set()})
 
 
+def _bevel(builder, node, groups):
+    """ "Surface" is the normal that displacement leaves."""
+    inputs = builder.inputs(node, groups)
+    if builder.displaced is not None:
+        inputs["Surface"] = builder.displaced
+    settings = {"samples": node.samples}
+    return builder.add_node(node, groups, node.bl_idname, inputs, settings)
+
+
 def _ambient_occlusion(builder, node, groups):
     """A distance that is 0, however it is made, is the world's."""
     inputs = builder.inputs(node, groups)
@@ -225,6 +233,7 @@ def _ambient_occlusion(builder, node, groups):
 
 HANDLERS = {
     "ShaderNodeAmbientOcclusion": _ambient_occlusion,
+    "ShaderNodeBevel": _bevel,
     "ShaderNodeBlackbody": _blackbody,
     "ShaderNodeTexCoord": _texture_coordinate,
     "ShaderNodeUVMap": _uv_map,

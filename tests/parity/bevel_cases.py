@@ -60,7 +60,17 @@ def _under_bump(scene, tree):
     _as_color(tree, tree.made("ShaderNodeBump", 0, inputs))
 
 
+def _displaced(scene, tree):
+    """What counts as the surface's own normal is that of its displacement."""
+    checks = {"Vector": tree.coordinates(), "Scale": 1.0}
+    height = tree.made("ShaderNodeTexWave", "Fac", checks)
+    inputs = {"Height": height, "Scale": 0.2}
+    tree.link(tree.made("ShaderNodeDisplacement", 0, inputs), tree.output.inputs["Displacement"])
+    _with_input(scene, tree)
+
+
 _case(", with a bumpy normal", _with_input)
+_case(", with a bumpy normal, displaced", _displaced)
 _case(" under a bump", _under_bump)
 
 

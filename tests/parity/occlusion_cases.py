@@ -55,6 +55,14 @@ def _bumpy_normal(scene, tree):
     tree.glow(_occlusion(tree, "AO", {"Normal": bump}))
 
 
+def _displaced(scene, tree):
+    """Displacement turns the normal that it looks along."""
+    height = tree.made("ShaderNodeTexWave", "Fac", {"Vector": tree.coordinates(), "Scale": 1.5})
+    inputs = {"Height": height, "Scale": 0.2}
+    tree.link(tree.made("ShaderNodeDisplacement", 0, inputs), tree.output.inputs["Displacement"])
+    tree.glow(_occlusion(tree))
+
+
 def _coarse_and_smooth(scene, tree):
     for obj in scene.objects:
         if obj.type == "MESH":
@@ -66,6 +74,7 @@ _case(", as far as the world says", _as_far_as_the_world_says)
 _case(", a distance that varies", _varying_distance)
 _case(", another normal", _other_normal)
 _case(", a bumpy normal", _bumpy_normal)
+_case(", a displaced surface", _displaced)
 _case(", coarse and smooth", _coarse_and_smooth)
 
 
