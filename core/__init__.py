@@ -22,10 +22,10 @@ In the order of the data; a module imports only from groups with a smaller numbe
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, sample_order, measured, lobe_setup, embree_instances, hair_cells,
-    hair_setup
+    hair_setup, bevel
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
     light_rays, paper_tables, light_cells, lamp_light, pass_rays, moving_accel,
-    moved_accel, surface_numbers, pixel_motion, random_walk
+    moved_accel, surface_numbers, near_rays, pixel_motion, random_walk
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree, backdrop, emission_parts, like_products, closure_columns
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes

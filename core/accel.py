@@ -85,6 +85,13 @@ class Accel:
         return self.as_triangles(*nearest_hits(self.looks, origins, directions))
 
     @property
+    def every(self) -> Accel:
+        """Of all triangles, opaque: see SceneRays."""
+        return self
+
+    throwing = every
+
+    @property
     def looks(self) -> Traversal:
         """``traversal``, for kernels that ask for nearest hits themselves (embree_hits.py)."""
         return self.traversal

@@ -83,7 +83,8 @@ def _passing_colors(
         if program is not None and program.transparent is not None:
             which = np.flatnonzero(rows == row)
             at_rest = points_at_rest(scene.pose, scene.mesh, points.at(which))
-            context = ShadeContext.of_points(scene, at_rest, shadow)
+            there = None if shadow else points.at(which)
+            context = ShadeContext.of_points(scene, at_rest, shadow, there)
             evaluation = Evaluation(program, context)
             color = passing_color(program, evaluation)
             share = any_in_row(color) if _is_pane(program) else going_share(program, evaluation)
@@ -131,7 +132,7 @@ def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
             continue
         some = points.at(which)
         at_rest = points_at_rest(scene.pose, scene.mesh, some)
-        evaluation = Evaluation(program, ShadeContext.of_points(scene, at_rest))
+        evaluation = Evaluation(program, ShadeContext.of_points(scene, at_rest, there=some))
         share = row_means(evaluation.vector(program.holdout))
         if program.transparent is not None:
             share = share / np.maximum(1.0 - going_share(program, evaluation), 1e-6)

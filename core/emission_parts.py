@@ -17,6 +17,7 @@ from .nodes import Evaluation, ShadeContext
 from .nodes.falloff import Falloff, asks_for_distance, falloff_of
 from .nodes.world_map import reached_ops
 from .program import Program, Ref
+from .program_ops import depends_on_around
 from .scene import BLACK, Scene, TriangleMesh
 
 _COARSEST = 1 / 2048  # of the area of a material: no larger part
@@ -46,10 +47,12 @@ class Told(NamedTuple):
 
     turned: it depends on where it is seen from: the light straight on is taken for all directions
     uneven: it falls off otherwise in one place than in another: as in its brightest ones
+    near: it depends on what is near: it lights as where nothing is
     """
 
     turned: list[int]
     uneven: list[int]
+    near: list[int]
 
 
 def parts_that_shine(
@@ -80,6 +83,8 @@ def parts_that_shine(
                     told.uneven.append(k)
             parts = _varying(mesh, face, light)
             found.append(Parts(*parts, np.full(len(parts[0]), row)))
+            if depends_on_around(program, program.emission):
+                told.near.append(k)
             if light.depends_on_view(face):
                 told.turned.append(k)
         else:

@@ -36,7 +36,7 @@ def with_emitters(
     all of them light all, and are of no group
     """
     falloffs: list[np.ndarray] = []
-    parts = parts_that_shine(mesh, emission, scene, told or Told([], []), falloffs)
+    parts = parts_that_shine(mesh, emission, scene, told or Told([], [], []), falloffs)
     if not len(parts.face):
         return make_lamps(rows) if rows else NO_LAMPS
     trees, rows, end, root = [], list(rows), 0, 0

@@ -17,6 +17,7 @@ from .camera import camera_rays
 from .environment import eval_environment_many
 from .incremental import new_rays, sample_points
 from .lobes_at import lobes_at
+from .near_rays import with_near_rays
 from .render import worker_count
 from .render_cache import RenderCache
 from .scene import Scene
@@ -68,7 +69,7 @@ def look_at_pixel(
     points = trace_points(job, camera_rays(camera, *rect))
     if not len(points.pixel):
         raise ValueError(f"pixel ({x}, {y}) shows no object")
-    seen = with_lobes(scene, points)
+    seen = with_lobes(job.scene, points)
     sequence = pixel_sequence(
         job.sequence, points.pixel, rect[:3], settings.seed, settings.point_set
     )
@@ -100,7 +101,9 @@ def _make_job(scene, settings, cache) -> Job:
         threads = worker_count(settings)
         tables, _, _ = cache.tables(scene, light, settings, threads, lambda *_: None)
     points = common_points(settings.max_samples, settings.point_set)
-    return Job(scene, settings, cache.rays(scene), light, tables, points, StopFlag())
+    accel = cache.rays(scene)
+    scene = with_near_rays(scene, settings, accel)
+    return Job(scene, settings, accel, light, tables, points, StopFlag())
 
 
 @kernel

@@ -71,6 +71,16 @@ def posed_normals(pose: Pose | None, mesh: TriangleMesh, triangle, normals: np.n
     return normals
 
 
+def normals_at_rest(pose: Pose | None, mesh: TriangleMesh, triangle, normals: np.ndarray):
+    """Normals of a pose, float32 (n, 3), 0 = none, as the mesh table has them."""
+    if pose is None:
+        return normals
+    which, rows = _rows(pose, mesh, triangle)
+    normals = np.array(normals, np.float32)
+    normals[which] = _normals(pose.forward[rows], normals[which])
+    return normals
+
+
 def _points_in_shape(pose: Pose, mesh, hit, u, v, directions, terminator_offset) -> ShadingPoints:
     """shading_points of rays that met triangles in the shape of the pose."""
     rays = np.flatnonzero(hit >= 0)

@@ -194,6 +194,8 @@ class Shaders:
     aovs: what materials write into passes that are asked for
     one_more: whether a ray of the camera goes through one surface more than a shadow ray may, as in
         Cycles of Blender 4
+    near_distance: metres that nodes look around for what is near, which do not say how far
+    near: near_rays.NearRays, which a render puts here for them; None: nothing is near
     """
 
     programs: tuple[Program | None, ...]
@@ -201,6 +203,8 @@ class Shaders:
     material_pass_index: np.ndarray
     aovs: tuple[Aov, ...] = ()
     one_more: bool = False
+    near_distance: float = 10.0
+    near: object | None = None
 
     def passes_of_camera(self, most: int) -> int:
         """How many surfaces a ray of the camera goes through; most: transparent_max_bounces."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from .program import Op, Program, Ref, Value
+from .program import Op, Program, Ref, Shaders, Value
 
 _OF_RAYS = ("ShaderNodeFresnel", "ShaderNodeLayerWeight", "under_coat", "under_sheen")
 _RAY_OUTPUTS = {"Incoming", "Backfacing", "Ray Length", "Ray Depth", "Transparent Depth"}
+
+_AROUND = ("ShaderNodeAmbientOcclusion", "ShaderNodeBevel")
 
 
 def ops_behind(program: Program, value: Value) -> list[Op]:
@@ -25,3 +27,14 @@ def passes_by_place(program: Program) -> bool:
         if op.kind in _OF_RAYS or _RAY_OUTPUTS & op.settings.get("outputs", set()):
             return False
     return True
+
+
+def depends_on_around(program: Program, value: Value) -> bool:
+    """Whether a value depends on what is around a point (near_rays.py)."""
+    return any(op.kind in _AROUND for op in ops_behind(program, value))
+
+
+def asks_around(shaders: Shaders) -> bool:
+    """Whether any node asks what is around a point."""
+    programs = [*shaders.programs, *(p for aov in shaders.aovs for p in aov.programs)]
+    return any(op.kind in _AROUND for p in programs if p is not None for op in p.ops)

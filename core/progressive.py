@@ -20,6 +20,7 @@ import numpy as np
 
 from .denoise import Guided
 from .film import LAYERS
+from .near_rays import with_near_rays
 from .render import make_tile, worker_count
 from .render_cache import RenderCache
 from .scene import Camera, Scene
@@ -120,10 +121,11 @@ def render_progressive(
         settings, stop_rule="FIXED", pixel_filter="CENTER", max_samples=_COARSE_SAMPLES
     )
     seen = cache.backdrop(scene)
-    coarse_job = Job(scene, few, accel, light, None, _points(few), stop, seen)
+    looks = with_near_rays(scene, few, accel)
+    coarse_job = Job(looks, few, accel, light, None, _points(few), stop, seen)
     while step > 1 and not stop.is_set():
         camera = coarse_camera(scene.camera, step)
-        job = dataclasses.replace(coarse_job, scene=_seen_by(scene, camera), stop=stop)
+        job = dataclasses.replace(coarse_job, scene=_seen_by(looks, camera), stop=stop)
         last = _coarse_picture(job, step, pace)
         if not stop.is_set():
             show(last)
@@ -134,6 +136,7 @@ def render_progressive(
         except Cancelled:
             return
         points = _points(settings)
+        scene = with_near_rays(scene, settings, accel)
         job = Job(scene, settings, accel, light, None, points, stop, seen, first_passes=1)
         _Rounds(job, last, show, denoiser or ViewDenoiser()).run()
 

@@ -10,7 +10,7 @@ from .cutouts import cut_materials
 from .embree import can_filter
 from .embree_filter import Opacity
 from .opacity import bake_opacity
-from .program_ops import passes_by_place
+from .program_ops import asks_around, passes_by_place
 from .scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS, Scene
 
 
@@ -23,6 +23,7 @@ class RayMasks:
     cut: what throws a shadow and is looked at hit by hit
     catcher: what catches shadows, and throws none on others of its kind
     linked: for each of Scene.lamp_links what throws shadows of its lamps
+    near: what throws a shadow, where nodes ask what is near; None: none does
     """
 
     camera: np.ndarray
@@ -31,10 +32,13 @@ class RayMasks:
     catcher: np.ndarray
     opacity: Opacity | None
     linked: tuple[np.ndarray, ...] = ()
+    near: np.ndarray | None = None
 
     def same(self, other: RayMasks) -> bool:
         """Whether two are equal."""
-        own, others = ((m.camera, m.solid, m.cut, m.catcher, *m.linked) for m in (self, other))
+        own, others = (
+            (m.camera, m.solid, m.cut, m.catcher, *m.linked, m.near) for m in (self, other)
+        )
         if len(own) != len(others) or not all(map(np.array_equal, own, others)):
             return False
         return self.opacity is other.opacity or (
@@ -60,9 +64,10 @@ def ray_masks(scene: Scene) -> RayMasks | None:
     camera, shadow = (
         every if flags is None else (flags & kind) != 0 for kind in (CAMERA_RAYS, SHADOW_RAYS)
     )
+    near = shadow if scene.shaders is not None and asks_around(scene.shaders) else None
     catcher = ~every if flags is None else (flags & SHADOW_CATCHER) != 0
     if materials is None:
-        return RayMasks(camera, shadow, ~every, catcher, None, linked)
+        return RayMasks(camera, shadow, ~every, catcher, None, linked, near)
     programs = scene.shaders.programs
     materials &= [program is None or not program.throws_whole_shadow for program in programs]
     able = can_filter()
@@ -76,4 +81,4 @@ def ray_masks(scene: Scene) -> RayMasks | None:
     if opacity is not None:
         with_grid = opacity.row >= 0
     solid, hit_by_hit = shadow & (~cut | with_grid), shadow & cut & ~with_grid
-    return RayMasks(camera, solid, hit_by_hit, catcher, opacity, linked)
+    return RayMasks(camera, solid, hit_by_hit, catcher, opacity, linked, near)

@@ -16,6 +16,7 @@ from .embree_instances import can_instance
 from .film import Progress, TileSink
 from .filtered_tile import FilteredTile
 from .light_rays import Light
+from .near_rays import with_near_rays
 from .paper_tables import PaperTables
 from .posed_lamps import shines_from_rest
 from .render_cache import RenderCache
@@ -84,6 +85,7 @@ def render(
         return stats
     sequence = common_points(settings.max_samples, settings.point_set)
     seen = cache.backdrop(scene)
+    scene = with_near_rays(scene, settings, accel)
     job = with_slices(Job(scene, settings, accel, light, tables, sequence, stop, seen))
     if settings.stop_rule == "BUDGET":
         _render_budget(job, threads, sink, stats)

@@ -97,6 +97,7 @@ class Shadows(NamedTuple):
 class RayParts:
     """The hierarchies that masks ask for; equal ones are built once.
 
+    near: what throws shadows, and all triangles, opaque; None where no node asks
     camera: what the camera sees; shadows: of all objects; linked: Shadows of each lamp link
     """
 
@@ -124,6 +125,9 @@ class RayParts:
                 part(solid, masks.opacity), part(cut, None) if cut.any() else None, others
             )
 
+        self.near = None
+        if masks.near is not None:
+            self.near = part(masks.near, None), part(np.ones_like(masks.near), None)
         self.mesh, self.masks = mesh, masks
         self.shadows = shadows(np.True_)
         same = np.array_equal(masks.camera, masks.solid)
@@ -141,6 +145,7 @@ class RayParts:
 
         other.camera, other.shadows = once(self.camera), self.shadows.each(once)
         other.linked = [shadows.each(once) for shadows in self.linked]
+        other.near = None if self.near is None else tuple(map(once, self.near))
         return other
 
     def at(self, number: int) -> RayParts:
@@ -190,6 +195,16 @@ class SceneRays:
     def linked(self, link: int) -> SceneRays:
         """For the shadows of lamps that are linked to objects."""
         return SceneRays(self._scene, self._parts, self._catchers, link)
+
+    @property
+    def throwing(self) -> Accel:
+        """Of all that throws a shadow, opaque, for nodes that ask what is near."""
+        return self._parts.near[0].accel
+
+    @property
+    def every(self) -> Accel:
+        """Of all triangles, opaque, for these nodes."""
+        return self._parts.near[1].accel
 
     def intersect(self, origins: np.ndarray, directions: np.ndarray):
         """The nearest hits that the camera sees; see Accel."""

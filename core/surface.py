@@ -151,7 +151,7 @@ def _contexts(scene: Scene, points: ShadingPoints, programs):
     if not there:
         return
     at_rest = points_at_rest(scene.pose, scene.mesh, points)
-    context = ShadeContext.of_points(scene, at_rest)
+    context = ShadeContext.of_points(scene, at_rest, there=points)
     for row in there:
         which = np.flatnonzero(rows == row)
         yield which, row, context.take(which)

@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 
+from .near_rays import with_near_rays
 from .object_motion import Pose
 from .posed_lamps import posed_lamps
 from .scene import Scene
@@ -32,5 +33,6 @@ def with_slices(job: Job) -> Job:
     for number in range(len(job.scene.motion.times)):
         scene = scene_at(job.scene, number)
         accel = job.accel.at(number, scene)
+        scene = with_near_rays(scene, job.settings, accel)
         slices.append(dataclasses.replace(job, scene=scene, accel=accel))
     return dataclasses.replace(job, slices=tuple(slices))

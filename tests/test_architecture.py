@@ -47,6 +47,7 @@ MAY_IMPORT_OF_CORE = {
         "nodes/ies",
         "nodes/lamp_map",
         "nodes/typical",
+        "nodes/wireframe",
         "nodes/world",
         "nodes/world_map",
     },

@@ -49,7 +49,10 @@ class ShadeContext:
     shadow: whether a shadow ray asks, and not the camera
     shape: (a mesh that has the triangles where the points lie on them, int32 (n,), their rows in
         it); None: mesh has them there
+    near: near_rays.NearPoints, whom nodes ask what is around; None: nothing is
     """
+
+    near = None
 
     def __init__(
         self,
@@ -81,11 +84,14 @@ class ShadeContext:
         return not self.shadow
 
     @classmethod
-    def of_points(cls, scene, points, shadow=False) -> ShadeContext:
-        """Of ShadingPoints of a Scene with shaders."""
+    def of_points(cls, scene, points, shadow=False, there=None) -> ShadeContext:
+        """Of ShadingPoints of a Scene with shaders.
+
+        there: the same where they are in the scene's pose, if nodes may ask what is around them
+        """
         mesh, shaders = scene.mesh, scene.shaders
         shape, faces = _in_shape(scene.pose, mesh, points.triangle)
-        return cls(
+        found = cls(
             mesh,
             shaders.surface,
             scene.camera,
@@ -99,6 +105,9 @@ class ShadeContext:
             shadow,
             shape=(shape, faces),
         )
+        if shaders.near is not None and there is not None:
+            found.near = shaders.near.points(there)
+        return found
 
     def __len__(self):
         return len(self.triangle)
@@ -108,7 +117,7 @@ class ShadeContext:
         arrays = (self.triangle, self.barycentric, self.position, self.wo)
         arrays += (self.normal, self.geometric_normal)
         distance = None if self._distance is None else self._distance[which]
-        return ShadeContext(
+        taken = ShadeContext(
             self.mesh,
             self.surface,
             self.camera,
@@ -118,6 +127,8 @@ class ShadeContext:
             distance,
             (self._shape, self._faces[which]),
         )
+        taken.near = None if self.near is None else self.near.at(which)
+        return taken
 
     @cached_property
     def object(self) -> np.ndarray:
@@ -136,6 +147,11 @@ class ShadeContext:
         done = np.zeros(len(matrices), np.bool_)
         _places().invert(matrices, self.object, done, inverses)
         return inverses
+
+    @property
+    def corners(self) -> np.ndarray | None:
+        """float32 (n, 3, 3): of the points' triangles, world space; None: they are on none."""
+        return self._shape.vertices[self._shape.triangles[self._faces]]
 
     @cached_property
     def backfacing(self) -> np.ndarray:

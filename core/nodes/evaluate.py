@@ -16,10 +16,12 @@ from . import (
     ies,
     images,
     layers,
+    near,
     noise,
     normals,
     patterns,
     voronoi,
+    wireframe,
     world,
 )
 from .context import ShadeContext
@@ -40,6 +42,8 @@ for family in (
     patterns,
     ies,
     falloff,
+    near,
+    wireframe,
     world,
 ):
     FUNCTIONS |= family.FUNCTIONS

@@ -98,6 +98,7 @@ class _LampContext(ShadeContext):
         self._uv = lamp.uv(u, v, way)
 
     camera_ray = False  # its light is asked for, not it itself
+    corners = None
 
     @property
     def object(self):

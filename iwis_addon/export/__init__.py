@@ -32,7 +32,7 @@ from ...core.emitters import Told, with_emitters
 from ...core.program import Shaders
 from ...core.scene import NO_MEASURED, Scene
 from .aovs import AovExport, export_aovs, no_aovs
-from .asked import read_asked
+from .asked import occlusion_distance, read_asked
 from .camera import export_camera
 from .errors import ExportCancelled, ExportError
 from .lamp_pictures import with_pictures
@@ -58,6 +58,10 @@ __all__ = [
 _UNEVEN = (
     "its emission changes with the distance otherwise in one place than in another: it lights "
     "other surfaces as its brightest places do"
+)
+_NEAR = (
+    "its emission depends on what is near it: as such it is seen, but it lights other surfaces as "
+    "if nothing were near, as Cycles' light samples do"
 )
 _TURNED = (
     "its emission depends on where it is seen from: as such it is seen, but it lights other "
@@ -100,7 +104,7 @@ def export_scene(
     unlit = Scene(
         mesh=geometry.mesh,
         materials=materials.params,
-        shaders=_shaders(geometry, materials, aovs, warnings),
+        shaders=_shaders(geometry, materials, aovs, occlusion_distance(depsgraph), warnings),
         environment=world.light,
         backdrop=world.backdrop,
         camera=camera,
@@ -143,7 +147,7 @@ def _places(geometry: MeshExport) -> np.ndarray:
 
 def _with_lamps(scene: Scene, geometry: MeshExport, cache, warnings: list[str]) -> Scene:
     """The scene with its lamps, and its faces that shine. cache: a TexelCache, or None"""
-    told = Told([], [])
+    told = Told([], [], [])
     inventory, emission = geometry.inventory, scene.materials.emission
     every = [look.asked for look in inventory.looks]
     own = inventory.links.rows_of(every), rows_of(every, inventory.groups)
@@ -153,6 +157,7 @@ def _with_lamps(scene: Scene, geometry: MeshExport, cache, warnings: list[str]) 
         lamps = lamps._replace(texels=texels)
     _tell(geometry, told.turned, _TURNED, warnings)
     _tell(geometry, told.uneven, _UNEVEN, warnings)
+    _tell(geometry, told.near, _NEAR, warnings)
     if len(lamps.kind):
         warnings[:] = [line for line in warnings if not line.endswith((NO_LIGHT, NO_WORLD))]
     lamps, links = inventory.links.of_lamps(lamps, every)
@@ -181,7 +186,11 @@ def _export_materials(geometry: MeshExport, texels, warnings: list[str]):
 
 
 def _shaders(
-    geometry: MeshExport, materials: MaterialExport, aovs: AovExport, warnings: list[str]
+    geometry: MeshExport,
+    materials: MaterialExport,
+    aovs: AovExport,
+    near_distance: float,
+    warnings: list[str],
 ) -> Shaders | None:
     """The programs of the scene's materials; None where no material needs one."""
     if not any(materials.programs) and not aovs.aovs:
@@ -194,4 +203,5 @@ def _shaders(
         material_pass_index=materials.pass_index,
         aovs=aovs.aovs,
         one_more=bpy.app.version < (5, 0),
+        near_distance=near_distance,
     )

@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 
 from ...core.program import Closure, Program
-from ...core.program_ops import passes_by_place
+from ...core.program_ops import depends_on_around, passes_by_place
 from ...core.scene import (
     BLACK,
     DIFFUSE,
@@ -70,6 +70,10 @@ class _Surface:
     diffuse_roughness: float = 0.0
 
 
+_CLEAR_NEAR = (
+    "what it lets through depends on what is near it: as such it is seen, but for its shadow "
+    "nothing is near, as for Cycles' light samples"
+)
 _NOTHING = _Surface(model=BLACK)
 _LIKE_LAMBERTS = (TRANSLUCENT, SHEEN, VELVET_SHEEN, TOON)
 _OF_CLOSURES = (*_LIKE_LAMBERTS, GLOSSY_TOON)  # models that no row has
@@ -190,6 +194,8 @@ def _finished(
     if parts.tinted and not passes_by_place(program):
         told = "a colored Transparent BSDF that depends on the ray throws a grey shadow"
         reader.warn(parts.tinted[0], told)
+    if transparent is not None and depends_on_around(program, transparent):
+        reader.warn(None, _CLEAR_NEAR)
     return row, program, builder.requests
 
 

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from ...core.nodes import FUNCTIONS
+from ...core.nodes.wireframe import OF_ELEMENTS
 from ...core.program import Op, Program, Ref, Value
 from .node_values import NodeReader, follow
 from .program_nodes import HANDLERS, PURE, SETTINGS
@@ -28,6 +29,7 @@ _ZERO = np.float32(0.0)
 _ELEMENTS = {
     "ShaderNodeHairInfo": {"Tangent Normal": ("Tangent",)},
     "ShaderNodePointInfo": {"Position": ("Position", "Radius")},
+    "ShaderNodeWireframe": {"Fac": OF_ELEMENTS},
 }
 _OF_THE_SHAPE = ("Pointiness", "Random Per Island")
 

@@ -57,6 +57,7 @@ SETTINGS = {
     "ShaderNodeTexMagic": ("turbulence_depth",),
     "ShaderNodeTexBrick": ("offset", "offset_frequency", "squash", "squash_frequency"),
     "ShaderNodeTexWhiteNoise": ("noise_dimensions",),
+    "ShaderNodeWireframe": ("use_pixel_size",),
 }
 # Nodes whose outputs depend on nothing but their inputs.
 PURE = {
@@ -206,7 +207,33 @@ def _light_falloff(builder, node, groups):
     return builder.add_node(node, groups, LIGHT_FALLOFF, inputs, {"outputs": set()})
 
 
+def _bevel(builder, node, groups):
+    """ "Surface" is the normal that displacement leaves."""
+    inputs = builder.inputs(node, groups)
+    if builder.displaced is not None:
+        inputs["Surface"] = builder.displaced
+    settings = {"samples": node.samples}
+    return builder.add_node(node, groups, node.bl_idname, inputs, settings)
+
+
+def _ambient_occlusion(builder, node, groups):
+    """A distance that is 0, however it is made, is the world's."""
+    inputs = builder.inputs(node, groups)
+    if builder.displaced is not None:
+        inputs.setdefault("Normal", builder.displaced)
+    distance = inputs["Distance"]
+    settings = {
+        "samples": node.samples,
+        "inside": node.inside,
+        "only_local": node.only_local,
+        "everywhere": not isinstance(distance, Ref) and float(distance) == 0.0,
+    }
+    return builder.add_node(node, groups, node.bl_idname, inputs, settings)
+
+
 HANDLERS = {
+    "ShaderNodeAmbientOcclusion": _ambient_occlusion,
+    "ShaderNodeBevel": _bevel,
     "ShaderNodeBlackbody": _blackbody,
     "ShaderNodeTexCoord": _texture_coordinate,
     "ShaderNodeUVMap": _uv_map,

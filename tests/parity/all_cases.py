@@ -1,6 +1,7 @@
 """The list of all cases."""
 
 from . import (
+    bevel_cases,
     bounce_cases,
     clear_cases,
     closure_cases,
@@ -17,6 +18,7 @@ from . import (
     lit_cases,
     motion_cases,
     normal_cases,
+    occlusion_cases,
     pane_cases,
     property_cases,
     shown_lamp_cases,
@@ -25,6 +27,7 @@ from . import (
     toon_cases,
     value_cases,
     view_cases,
+    wireframe_cases,
     world_cases,
 )
 from .cases import CASES
@@ -55,5 +58,8 @@ _FAMILIES = (
     pane_cases,
     bounce_cases,
     motion_cases,
+    wireframe_cases,
+    occlusion_cases,
+    bevel_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

@@ -9,7 +9,7 @@ from .scene import Tree
 _TINT = (0.9, 0.5, 0.2)
 
 
-def _material(make):
+def new_material(make):
     """A new material of the shader make(tree)."""
     material = bpy.data.materials.new("Clear")
     if material.node_tree is None:
@@ -48,9 +48,9 @@ def _before_and_behind(make, film, end):
         scene.render.film_transparent = film
         tree.surface(_diffuse(tree, (0.8, 0.7, 0.6)))
         bpy.ops.mesh.primitive_plane_add(size=3.0, location=(0.3, 3.0, 1.0), rotation=(1.4, 0, 0))
-        bpy.context.object.data.materials.append(_material(make))
+        bpy.context.object.data.materials.append(new_material(make))
         bpy.ops.mesh.primitive_plane_add(size=1.2, location=(-0.6, -2.0, 0.5), rotation=(1.4, 0, 0))
-        bpy.context.object.data.materials.append(_material(make))
+        bpy.context.object.data.materials.append(new_material(make))
         scene.camera.data.clip_end = end
 
     return build

@@ -33,7 +33,7 @@ is what IWIS warns of.
 
 
 # Most cases show what they are about by a material that glows in the dark.
-_OF_THE_SUITE = ("its emission depends on where", "it gives no light")
+_OF_THE_SUITE = ("its emission depends on", "it gives no light")
 
 
 def main(words) -> int:

@@ -18,7 +18,12 @@ _STRAIGHT = "with direct light alone Cycles is black where a refracted ray ends 
 
 _ALONG = "where the tangent is along the normal (the floor) Cycles is black, IWIS round"
 
+_NEAR = "Cycles' light samples know of no occlusion there, as here; its BSDF samples do: a mixture"
+
 WHY = {
+    "Ambient Occlusion above a threshold": "the few rays of a point lie otherwise: worst there",
+    "Ambient Occlusion as alpha": _NEAR,
+    "Ambient Occlusion as light of a cube": _NEAR,
     "Tangent, radial X": _ALONG,
     "Tangent, radial Y": _ALONG,
     "Glass": _STRAIGHT,
