@@ -63,9 +63,9 @@ def test_rows_stand_in_place_of_nodes(cube_scene, table):
     """One row of tables for a file, whoever names it; nodes are not read, so nothing is warned."""
     first, second, plain = (new_material(name) for name in ("First", "Second", "Plain"))
     nodes = first.node_tree.nodes
-    hair = nodes.new("ShaderNodeBsdfHair")
+    portal = nodes.new("ShaderNodeBsdfRayPortal")
     output = first.node_tree.get_output_node("CYCLES")
-    first.node_tree.links.new(hair.outputs[0], output.inputs["Surface"])
+    first.node_tree.links.new(portal.outputs[0], output.inputs["Surface"])
     first.pass_index = 7
     cube = _cube(cube_scene)
     for material in (_give(first, table, (0.5, 1.0, 1.0)), _give(second, table), plain):
@@ -80,7 +80,7 @@ def test_rows_stand_in_place_of_nodes(cube_scene, table):
     assert len(scene.measured.values) == 1
     first.iwis.use_measured = False
     assert len(_export(warnings).measured.values) == 1
-    assert warnings  # of the hair
+    assert warnings  # of the portal
 
 
 def test_nodes_come_back_when_it_is_off(cube_scene, table):

@@ -34,7 +34,8 @@ def _points(scene, position, up):
     hit, _, _ = Accel(scene.mesh).intersect(position + 0.01 * up, -up)
     none, ones = np.zeros((n, 3), np.float32), np.ones((n, 3), np.float32)
     pixel, below = np.arange(n, dtype=np.int32), np.zeros(n, np.float32)
-    return ShadingPoints(pixel, hit, position, up, up, up, none, below, ones)
+    passed = np.zeros(n, np.int32)
+    return ShadingPoints(pixel, hit, position, up, up, up, none, below, ones, passed)
 
 
 def _sums(scene, points, radius=RADIUS, count=COUNT):

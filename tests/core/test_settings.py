@@ -28,6 +28,7 @@ def test_defaults_are_those_documented():
         "coefficients": 0.05,
         "pixel_filter": "BLACKMAN_HARRIS",
         "filter_width": 1.5,
+        "transparent_max_bounces": 8,
         "decorrelation": "OWEN",
         "seed": 0,
         "threads": 0,
