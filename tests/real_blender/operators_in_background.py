@@ -44,9 +44,9 @@ def main() -> None:
     scene.iwis.keep_film = True
     odd = bpy.data.materials.new("Odd")
     tree = odd.node_tree
-    glass = tree.nodes.new("ShaderNodeBsdfHair")
+    portal = tree.nodes.new("ShaderNodeBsdfRayPortal")
     output = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial")
-    tree.links.new(glass.outputs[0], output.inputs["Surface"])
+    tree.links.new(portal.outputs[0], output.inputs["Surface"])
     thing = next(each for each in scene.objects if each.type == "MESH")
     thing.data.materials[0] = odd
     bpy.ops.render.render()
