@@ -46,4 +46,6 @@ WHY = {
     "Camera objects in motion, glowing checks": _MOVES,
     "Motion of an object that shines": _MOVES,
     "Motion of a shape that shines": _MOVES,
+    "Hair, Principled, blond ribbons": "Cycles' ribbons end in a line (record 27); tones agree",
+    "Hair, Hair BSDF, transmission": "Cycles evaluates it over other directions than it samples",
 }
