@@ -54,7 +54,8 @@ def _clear(tree, color=(1.0, 1.0, 1.0)):
 
 
 def on_a_matte_floor():
-    bpy.context.scene.cycles.transparent_max_bounces = 64
+    scene = bpy.context.scene
+    scene.cycles.transparent_max_bounces = scene.iwis.transparent_max_bounces = 64
     bpy.data.objects["Plane"].data.materials[0] = bpy.data.materials.new("Floor")
 
 

@@ -20,6 +20,8 @@ _ALONG = "where the tangent is along the normal (the floor) Cycles is black, IWI
 
 _NEAR = "Cycles' light samples know of no occlusion there, as here; its BSDF samples do: a mixture"
 
+_BELLS = "Cycles evaluates it over other directions than it samples (record 41)"
+
 WHY = {
     "Ambient Occlusion above a threshold": "the few rays of a point lie otherwise: worst there",
     "Ambient Occlusion as alpha": _NEAR,
@@ -47,5 +49,7 @@ WHY = {
     "Motion of an object that shines": _MOVES,
     "Motion of a shape that shines": _MOVES,
     "Hair, Principled, blond ribbons": "Cycles' ribbons end in a line (record 27); tones agree",
-    "Hair, Hair BSDF, transmission": "Cycles evaluates it over other directions than it samples",
+    "Hair, Hair BSDF, reflection": _BELLS,
+    "Hair, Hair BSDF, transmission": _BELLS,
+    "Hair, Hair BSDF, transmission, offset": _BELLS,
 }
