@@ -13,7 +13,7 @@ import numpy as np
 from ._jit import kernel
 from .hair import chiang_at, part_along, part_round, rest_along
 from .hair_frame import bell_along, bell_round
-from .lambert_kinds import CHIANG, TRANSLUCENT_ROUND
+from .lambert_kinds import CHIANG
 from .lobes_at import lobes_at
 from .luminance import luminance
 from .microfacet import FOUR, HALF, ONE, QUARTER, TWO, ZERO, dot_xyz
@@ -120,8 +120,6 @@ def add_hair(lobes, p, cells, radius, values, room):
     sharp: among strands most of the noise is visibility.
     """
     at = lobes_at(lobes, p)
-    if at.rough[3] == TRANSLUCENT_ROUND:
-        return
     sharp = _is_sharp(at)
     hair = chiang_at(at, radius * radius * (QUARTER if sharp else ONE))
     _fill_along(at, hair, room)

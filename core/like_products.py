@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .lambert_kinds import TRANSLUCENT_ROUND
 from .lobe_cells import gloss_at, lambert_at
 from .lobes import DIFFUSE_LOBE
 from .product_build import BlockScratch, build_product, new_block_scratch
@@ -65,7 +66,8 @@ def new_product_scratch() -> ProductScratch:
 @kernel(forceinline=True)
 def _is_plain(lobes, p):
     """Whether the numbers of Builders say all that the product is made of."""
-    return lobes.rough[p, 3] >= _ZERO and lobes.narrow[p] == _ZERO
+    kind = lobes.rough[p, 3]
+    return (kind >= _ZERO or kind == TRANSLUCENT_ROUND) and lobes.narrow[p] == _ZERO
 
 
 @kernel

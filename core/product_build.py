@@ -12,7 +12,7 @@ import numpy as np
 
 from ._jit import kernel
 from .hair_cells import add_hair
-from .lambert_kinds import HAIR
+from .lambert_kinds import HAIR, TRANSLUCENT_ROUND
 from .lobe_cells import add_gloss, fill_lambert, gloss_at, lambert_at
 from .lobes import DIFFUSE_LOBE
 from .product import (
@@ -251,12 +251,13 @@ def build_product(lobes, p, turned, cells, averages, levels, products, scratch):
     matte = _fill_base_lambert(lambert, cells, radius, leaves)
     products.blocks[p], products.follow[p] = 0, 0.0
     if lobes.kind[p] <= DIFFUSE_LOBE:
-        if lobes.rough[p, 3] <= HAIR:
+        kind = lobes.rough[p, 3]
+        if TRANSLUCENT_ROUND < kind <= HAIR:
             add_hair(lobes, p, cells, radius, leaves, scratch.spread)
             products.follow[p] = _SHEEN
         elif is_toon(lobes.rough[p]):
             products.follow[p] = fill_toon(lobes, p, cells, radius, leaves)
-        elif lobes.rough[p, 3] < np.float32(0.0):
+        elif TRANSLUCENT_ROUND < kind < np.float32(0.0):
             add_sheen(lobes, p, cells, radius, leaves)
             products.follow[p] = _SHEEN
         sum_base(tree)

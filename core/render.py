@@ -43,34 +43,7 @@ def render(
     x0, y0, x1, y1 = scene.camera.region
     stats = RenderStats(width=x1 - x0, height=y1 - y0, triangles=len(scene.mesh.triangles))
     cache = cache or RenderCache()
-    if settings.estimator == "PAPER" and scene.shaders is not None:
-        # Its tables are made for a material as a whole: MaterialParams holds means.
-        stats.warnings.append("Mode PAPER shows textures and mixtures by one mean value a material")
-        if scene.shaders.has_model(TOON, GLOSSY_TOON):
-            stats.warnings.append("Mode PAPER shows Toon BSDFs as Diffuse and Glossy BSDFs")
-        scene = dataclasses.replace(scene, shaders=None)
-    if settings.pixel_filter == "CENTER" and (
-        scene.camera.lens or scene.camera.motion or scene.motion
-    ):
-        stats.warnings.append(
-            "Pixel Filter Center takes one point a pixel: no depth of field and no motion blur; "
-            "choose Blackman-Harris or Box"
-        )
-        scene = dataclasses.replace(scene, motion=None)
-    elif scene.motion is not None and not can_instance():
-        stats.warnings.append("Embree's own interface is missing: moving objects stand still")
-        scene = dataclasses.replace(scene, motion=None)
-    scatters = scene.shaders is not None and scene.shaders.scatters
-    if settings.pixel_filter == "CENTER" and scatters:
-        stats.warnings.append(
-            "Pixel Filter Center takes one point a pixel: no light goes under surfaces, which are "
-            "diffuse in place of subsurface; choose Blackman-Harris or Box"
-        )
-    if scene.motion is not None and shines_from_rest(scene):
-        stats.warnings.append(
-            f"{len(scene.lamps.faces.face)} faces shine: those that move light other surfaces from "
-            "where they are in the middle of the time that the shutter is open"
-        )
+    scene = _as_settings_show(scene, settings, stats.warnings)
     stop = StopFlag()
     threads = worker_count(settings)
     accel = light = tables = None
@@ -93,6 +66,39 @@ def render(
         with stats.phase("sampling"):
             _render_tiles(job, threads, sink, stats)
     return stats
+
+
+def _as_settings_show(scene: Scene, settings: RenderSettings, warnings: list[str]) -> Scene:
+    """The scene without what settings, or this Embree, leave out; warnings: gets a line for it."""
+    if settings.estimator == "PAPER" and scene.shaders is not None:
+        # Its tables are made for a material as a whole: MaterialParams holds means.
+        warnings.append("Mode PAPER shows textures and mixtures by one mean value a material")
+        if scene.shaders.has_model(TOON, GLOSSY_TOON):
+            warnings.append("Mode PAPER shows Toon BSDFs as Diffuse and Glossy BSDFs")
+        scene = dataclasses.replace(scene, shaders=None)
+    if settings.pixel_filter == "CENTER" and (
+        scene.camera.lens or scene.camera.motion or scene.motion
+    ):
+        warnings.append(
+            "Pixel Filter Center takes one point a pixel: no depth of field and no motion blur; "
+            "choose Blackman-Harris or Box"
+        )
+        scene = dataclasses.replace(scene, motion=None)
+    elif scene.motion is not None and not can_instance():
+        warnings.append("Embree's own interface is missing: moving objects stand still")
+        scene = dataclasses.replace(scene, motion=None)
+    scatters = scene.shaders is not None and scene.shaders.scatters
+    if settings.pixel_filter == "CENTER" and scatters:
+        warnings.append(
+            "Pixel Filter Center takes one point a pixel: no light goes under surfaces, which are "
+            "diffuse in place of subsurface; choose Blackman-Harris or Box"
+        )
+    if scene.motion is not None and shines_from_rest(scene):
+        warnings.append(
+            f"{len(scene.lamps.faces.face)} faces shine: those that move light other surfaces from "
+            "where they are in the middle of the time that the shutter is open"
+        )
+    return scene
 
 
 def worker_count(settings: RenderSettings) -> int:

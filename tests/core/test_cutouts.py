@@ -11,8 +11,8 @@ from iwis.core.embree_filter import Opacity
 from iwis.core.opacity import bake_opacity
 from iwis.core.program import Closure, Op, Program, Ref
 from iwis.core.render_cache import RenderCache
-from iwis.core.scene import BLACK, CAMERA_RAYS, DIFFUSE, GGX, SHADOW_CATCHER, SHADOW_RAYS
-from support.programs import with_programs
+from iwis.core.scene import CAMERA_RAYS, DIFFUSE, GGX, SHADOW_CATCHER, SHADOW_RAYS
+from support.programs import TINT, pane, with_programs
 from support.scenes import (
     camera_at,
     constant_world,
@@ -115,14 +115,6 @@ def test_layers_are_drawn_apart():
     assert abs(alpha.mean() - (1.0 - 0.3**3)) < 0.003
 
 
-_TINT = np.float32([0.9, 0.5, 0.1])
-
-
-def _pane(color=_TINT) -> Program:
-    """A lone Transparent BSDF."""
-    return Program(ops=(), closures=(Closure(BLACK, GGX, _ONE, {}),), transparent=color)
-
-
 @pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
 @pytest.mark.parametrize("behind", ["the world", "a floor", "a shadow catcher"])
 def test_pane_colors_what_is_behind_it(behind, pixel_filter):
@@ -135,7 +127,7 @@ def test_pane_colors_what_is_behind_it(behind, pixel_filter):
     parts = [floor(), *([floor(500.0, -0.5)] if behind != "the world" else [])]
     materials = [diffuse(), diffuse((1.0, 1.0, 1.0))][: len(parts)]
     scene = make_scene(parts, materials, constant_world(), camera)
-    scene = with_programs(scene, *[_pane(), None][: len(parts)])
+    scene = with_programs(scene, *[pane(), None][: len(parts)])
     plain = CAMERA_RAYS | SHADOW_RAYS
     flags = np.uint8([CAMERA_RAYS, plain][: len(parts)])
     if behind == "a shadow catcher":
@@ -144,10 +136,10 @@ def test_pane_colors_what_is_behind_it(behind, pixel_filter):
     settings = {"max_samples": 512, "stop_rule": "FIXED", "pixel_filter": pixel_filter}
     shown = make_picture(scene, **settings)[0]["combined"]
     noise = 0.03 if behind == "a floor" else 0.003
-    np.testing.assert_allclose(shown[..., :3], np.broadcast_to(_TINT, (16, 16, 3)), rtol=noise)
+    np.testing.assert_allclose(shown[..., :3], np.broadcast_to(TINT, (16, 16, 3)), rtol=noise)
     film = dataclasses.replace(scene, transparent_film=True)
     alpha = make_picture(film, **settings)[0]["combined"][..., 3]
-    expected = 1.0 if behind == "a floor" else 1.0 - _TINT.mean()
+    expected = 1.0 if behind == "a floor" else 1.0 - TINT.mean()
     np.testing.assert_allclose(alpha, expected, atol=0.003)
 
 
@@ -158,8 +150,8 @@ def test_panes_multiply(pixel_filter):
     parts = [floor(50.0, -0.1 * k) for k in range(3)]
     scene = make_scene(parts, [diffuse()] * 3, constant_world(), camera)
     scene = dataclasses.replace(scene, transparent_film=True)
-    for last, expected in ((_TINT, _TINT**3), (np.zeros(3, np.float32), np.zeros(3))):
-        panes = with_programs(scene, _pane(), _pane(), _pane(last))
+    for last, expected in ((TINT, TINT**3), (np.zeros(3, np.float32), np.zeros(3))):
+        panes = with_programs(scene, pane(), pane(), pane(last))
         layers, _ = make_picture(panes, max_samples=8, pixel_filter=pixel_filter)
         alpha, world = layers["combined"][..., 3], layers["environment"]
         np.testing.assert_allclose(alpha, 1.0 - expected.mean(), atol=1e-5)
@@ -174,11 +166,11 @@ def test_panes_beyond_the_far_plane_are_not_there(pixel_filter, clip_end, seen):
     camera = dataclasses.replace(camera, clip_end=clip_end)
     parts = [floor(50.0, -0.1 * k) for k in range(3)]
     scene = with_programs(
-        make_scene(parts, [diffuse()] * 3, constant_world(), camera), *[_pane()] * 3
+        make_scene(parts, [diffuse()] * 3, constant_world(), camera), *[pane()] * 3
     )
     layers, _ = make_picture(scene, max_samples=8, pixel_filter=pixel_filter)
     world = layers["environment"]
-    np.testing.assert_allclose(world, np.broadcast_to(_TINT**seen, world.shape), atol=1e-5)
+    np.testing.assert_allclose(world, np.broadcast_to(TINT**seen, world.shape), atol=1e-5)
 
 
 @pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
@@ -187,12 +179,12 @@ def test_surface_that_shows_itself_is_drawn_by_its_share(pixel_filter):
     camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 16, 16, 0.4)
     scene = make_scene([floor()], [diffuse()], constant_world(), camera)
     black = Closure(DIFFUSE, GGX, np.zeros(3, np.float32), {})
-    tint = Program(ops=(), closures=(black,), transparent=_TINT)
+    tint = Program(ops=(), closures=(black,), transparent=TINT)
     shown = make_picture(with_programs(scene, tint), pixel_filter=pixel_filter, max_samples=8)
     shown = shown[0]["combined"][..., :3].reshape(-1, 3)
-    ratio = shown / (_TINT / _TINT.mean())
+    ratio = shown / (TINT / TINT.mean())
     np.testing.assert_allclose(ratio, ratio[:, :1] * np.ones(3), rtol=1e-5)
-    assert abs(shown.mean() / _TINT.mean() - 1.0) < 0.1
+    assert abs(shown.mean() / TINT.mean() - 1.0) < 0.1
 
 
 def test_half_a_card_is_cut_away(way):
@@ -290,47 +282,3 @@ def test_holdout_takes_its_share_of_light_and_alpha(pixel_filter):
     tolerance = 0.1 if pixel_filter == "CENTER" else 0.013
     assert layers["combined"][..., 3].mean() == pytest.approx(0.75, abs=tolerance)
     assert layers["combined"][..., :3].mean() == pytest.approx(0.6, abs=tolerance)
-
-
-def _stack(programs, passes, one_more=False, samples=64, **options):
-    """Pictures of a stack of panes over a floor, seen from above by rays that may pass so many."""
-    camera = camera_at((0.0, 0.0, 2.0), (0.0, 0.01, 0.0), 8, 8, 0.4)
-    parts = [floor(1e3, -1.0), *(floor(50.0, -0.1 * k) for k in range(len(programs)))]
-    scene = make_scene(parts, [diffuse()] * len(parts), constant_world(), camera)
-    scene = with_programs(scene, None, *programs)
-    shaders = dataclasses.replace(scene.shaders, one_more=one_more)
-    scene = dataclasses.replace(scene, shaders=shaders, transparent_film=True, **options)
-    settings = {"max_samples": samples, "stop_rule": "FIXED", "pixel_filter": "BOX"}
-    return make_picture(scene, transparent_max_bounces=passes, **settings)[0]["combined"]
-
-
-@pytest.mark.parametrize("one_more", [False, True])
-@pytest.mark.parametrize(("passes", "seen"), [(0, 1), (1, 1), (2, 2), (3, 3), (8, 3)])
-def test_camera_sees_what_lies_behind_so_many_panes(passes, seen, one_more):
-    """Nothing is lit behind as many as may be passed, but the world is seen, as in Cycles of
-    Blender 5; in Blender 4 a ray passes one more. Three panes, whose floor or no floor is behind.
-    """
-    seen = min(passes + 1, 3) if one_more else seen
-    picture = _stack([_pane()] * 3, passes, one_more)
-    lit = picture[..., :3].max() > 0.0
-    most = passes + 1 if one_more else max(passes, 1)
-    assert (picture[..., 3] == 1.0).all() and lit == (most > 3)
-    above = camera_at((60.0, 0.0, 2.0), (60.0, 0.01, 0.0), 8, 8, 0.4)  # beside the panes
-    assert _stack([_pane()] * 3, passes, one_more, camera=above)[..., :3].min() > 0.0
-    up = camera_at((0.0, 0.0, -0.5), (0.0, 0.01, 2.0), 8, 8, 0.4)  # to the world
-    alpha = _stack([_pane()] * 3, passes, one_more, camera=up)[..., 3]
-    expected = 1.0 - (_TINT**3).mean() if most >= 3 else 1.0
-    np.testing.assert_allclose(alpha, expected, rtol=1e-5)
-
-
-def test_what_glows_is_seen_at_the_last_surface():
-    """Whole, for there no ray is drawn: two panes that shine by .4 and pass .6 each, of which one
-    may be passed: .4 + .6 x .4, and nothing of what reflects."""
-    glow = np.float32([0.4] * 3)
-    closure = Closure(DIFFUSE, GGX, np.float32([0.1] * 3), {})
-    shiny = Program(ops=(), closures=(closure,), transparent=np.float32([0.6] * 3), emission=glow)
-    dark = dataclasses.replace(constant_world(), radiance=np.zeros((4, 8, 3), np.float32))
-    picture = _stack([shiny] * 3, 1, samples=512, environment=dark)
-    # 64 passes of a pixel, stratified: a share of .4, which is .6 brighter, to 1.5 of them.
-    np.testing.assert_allclose(picture[..., :3], 0.4 + 0.6 * 0.4, atol=0.6 * 1.5 / 64)
-    assert (picture[..., 3] == 1.0).all()

@@ -4,12 +4,19 @@ import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.brdf import pdf_narrowest_at, sample_narrowest_at
+from iwis.core.brdf import pdf_narrowest_at
 from iwis.core.lobes_at import lobes_at
 from iwis.core.nodes.layers import under_sheen
 from iwis.core.scene import DIFFUSE
 from iwis.core.sheen import diffuse_colors, microfiber, set_sheen
-from support.brdf_points import directions, evaluated, points, reflected, sphere_quadrature
+from support.brdf_points import (
+    directions,
+    evaluated,
+    narrowest,
+    points,
+    reflected,
+    sphere_quadrature,
+)
 
 _COSINES = (0.9, 0.5, 0.15)
 
@@ -36,14 +43,6 @@ def test_fibers_reflect_what_the_table_says(roughness):
 
 
 @kernel
-def _narrowest(lobes, p, u, out):
-    at = lobes_at(lobes, p)
-    for i in range(len(u)):
-        x, y, z = sample_narrowest_at(at, u[i, 0], u[i, 1])
-        out[i, 0], out[i, 1], out[i, 2] = x, y, z
-
-
-@kernel
 def _density(lobes, p, wi, out):
     at = lobes_at(lobes, p)
     for i in range(len(wi)):
@@ -56,14 +55,12 @@ def test_samples_of_fibers_follow_the_lobe(roughness, rng):
     lobes = _lobes("fibers", roughness)
     share = microfiber(np.float32(_COSINES), np.full(3, roughness, np.float32))[2]
     wi, solid_angle = sphere_quadrature(512, 1024)
-    density, found = np.empty(len(wi), np.float32), np.empty((5000, 3), np.float32)
-    own = np.empty(len(found), np.float32)
+    density = np.empty(len(wi), np.float32)
     for p in range(3):
         _density(lobes, p, wi, density)
         assert abs(solid_angle.astype(np.float64) @ density - 1.0) < 5e-3
-        _narrowest(lobes, p, rng.random((len(found), 2), np.float32), found)
+        found, own = narrowest(lobes, p, rng, 5000)
         np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1.0, rtol=1e-4)
-        _density(lobes, p, found, own)
         value = evaluated(lobes, p, found)[:, 0]
         np.testing.assert_allclose(value, lobes.diffuse[p, 0] * own, rtol=1e-3)
         # Means of directions by samples and by the density: 5 standard errors of 5000.

@@ -5,14 +5,18 @@ import math
 import numpy as np
 import pytest
 
-from iwis.core._jit import kernel
-from iwis.core.brdf import pdf_narrowest_at, sample_narrowest_at
-from iwis.core.lobes_at import lobes_at
 from iwis.core.scene import DIFFUSE
 from iwis.core.sheen import diffuse_colors
 from iwis.core.toon import set_toon
 from iwis.core.unbiased import bsdf_share
-from support.brdf_points import directions, evaluated, points, reflected, sphere_quadrature
+from support.brdf_points import (
+    directions,
+    evaluated,
+    narrowest,
+    points,
+    reflected,
+    sphere_quadrature,
+)
 from support.scenes import constant_world, diffuse
 from support.warps import PointProduct, light_of
 
@@ -49,21 +53,6 @@ def _textbook(axis, size, smooth, wi):
         intensity = np.clip(1.0 - (angle - size) / smooth, 0.0, 1.0)
     density = (angle < reach) / (2.0 * math.pi * (1.0 - math.cos(reach)))
     return density * intensity * (wi[:, 2] > 0.0), density
-
-
-@kernel
-def _narrowest(lobes, p, u, out):
-    at = lobes_at(lobes, p)
-    for i in range(len(u)):
-        x, y, z = sample_narrowest_at(at, u[i, 0], u[i, 1])
-        out[i, 0], out[i, 1], out[i, 2] = x, y, z
-        out[i, 3] = pdf_narrowest_at(at, x, y, z)
-
-
-def _samples(lobes, p, rng, n=4000):
-    out = np.empty((n, 4), np.float32)
-    _narrowest(lobes, p, rng.random((n, 2), np.float32), out)
-    return np.ascontiguousarray(out[:, :3]), out[:, 3]
 
 
 @pytest.mark.parametrize("kind", _KINDS)
@@ -111,7 +100,7 @@ def test_samples_fill_the_cap(kind, size, smooth, rng):
     """Unit vectors in it, all alike: their mean is the axis times (1 + cos reach) / 2."""
     lobes = _lobes(kind, size, smooth)
     for p, axis in enumerate(_axes(kind)):
-        wi, pdf = _samples(lobes, p, rng)
+        wi, pdf = narrowest(lobes, p, rng, 4000)
         np.testing.assert_allclose(np.linalg.norm(wi, axis=1), 1.0, rtol=1e-5)
         reach = min((max(size, 1e-5) + smooth) * math.pi / 2.0, math.pi / 2.0)
         chord2 = 4.0 * math.sin(reach / 2.0) ** 2
@@ -142,7 +131,7 @@ def test_product_has_density_wherever_the_cap_is_lit(kind, size, smooth, rng):
             wo / np.linalg.norm(wo),
             change=lambda lobes: _make(lobes, kind, size, smooth),
         )
-        wi, _ = _samples(product.lobes, 0, rng, 2000)
+        wi, _ = narrowest(product.lobes, 0, rng, 2000)
         lit = evaluated(product.lobes, 0, wi).sum(axis=1) > 0.0
         assert lit.any() and product.pdf(wi[lit]).min() > 0.0
         follow.append(float(bsdf_share(product.products.follow[0], product.lobes.kind[0])))

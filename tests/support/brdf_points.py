@@ -3,7 +3,13 @@
 import numpy as np
 
 from iwis.core._jit import kernel
-from iwis.core.brdf import eval_at, pdf_at, sample_at
+from iwis.core.brdf import (
+    eval_at,
+    pdf_at,
+    pdf_narrowest_at,
+    sample_at,
+    sample_narrowest_at,
+)
 from iwis.core.lobe_setup import setup_lobes
 from iwis.core.lobes import Lobes
 from iwis.core.lobes_at import lobes_at
@@ -86,6 +92,17 @@ def sample_all(lobes, p, u, out):
             out[i, c] = sample[c]
 
 
+@kernel
+def sample_narrowest_all(lobes, p, u, out):
+    """Write sample_narrowest_at of point p and each pair u (n, 2), and its density, to out,
+    float32 (n, 4)."""
+    at = lobes_at(lobes, p)
+    for i in range(u.shape[0]):
+        x, y, z = sample_narrowest_at(at, u[i, 0], u[i, 1])
+        out[i, 0], out[i, 1], out[i, 2] = x, y, z
+        out[i, 3] = pdf_narrowest_at(at, x, y, z)
+
+
 def evaluated(lobes, p, wi) -> np.ndarray:
     """float32 (n, 6): brdf * cos of the Lambert lobe and of the gloss."""
     out = np.empty((len(wi), 6), np.float32)
@@ -104,6 +121,13 @@ def sampled(lobes, p, u):
     """Directions float32 (n, 3) and their densities (n,)."""
     out = np.empty((len(u), 4), np.float32)
     sample_all(lobes, p, np.ascontiguousarray(u, np.float32), out)
+    return np.ascontiguousarray(out[:, :3]), out[:, 3]
+
+
+def narrowest(lobes, p, rng, n):
+    """n directions by the narrowest lobe, float32 (n, 3), and their densities (n,)."""
+    out = np.empty((n, 4), np.float32)
+    sample_narrowest_all(lobes, p, rng.random((n, 2), np.float32), out)
     return np.ascontiguousarray(out[:, :3]), out[:, 3]
 
 

@@ -4,7 +4,10 @@ import dataclasses
 
 import numpy as np
 
-from iwis.core.program import Shaders, SurfaceData
+from iwis.core.program import Closure, Program, Shaders, SurfaceData
+from iwis.core.scene import BLACK, GGX
+
+TINT = np.float32([0.9, 0.5, 0.1])
 
 
 def with_programs(scene, *programs):
@@ -24,3 +27,9 @@ def with_programs(scene, *programs):
         material_pass_index=np.zeros(len(programs), np.float32),
     )
     return dataclasses.replace(scene, shaders=shaders)
+
+
+def pane(color=TINT) -> Program:
+    """A lone Transparent BSDF."""
+    nothing = Closure(BLACK, GGX, np.ones(3, np.float32), {})
+    return Program(ops=(), closures=(nothing,), transparent=color)
