@@ -81,6 +81,7 @@ def _particles(scene, tree):
     _principled(Random_Roughness=0.5, Color=(0.5, 0.3, 0.15))(tree)
     on_a_matte_floor()
     scene.cycles_curves.shape = "THICK"
+    bpy.data.objects.remove(bpy.data.objects["Cube"])  # no strand: another direction than Cycles'
     add_particle_hair(bpy.data.objects["Sphere"], 200, radius_scale=0.03)
     bpy.data.objects["Sphere"].show_instancer_for_render = False
 
