@@ -27,7 +27,8 @@ In the order of the data; a module imports only from groups with a smaller numbe
     light_rays, paper_tables, light_cells, lamp_light, pass_rays, moving_accel,
     moved_accel, surface_numbers, near_rays, pixel_motion, random_walk
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
-    paper_products, light_tree, backdrop, emission_parts, like_products, closure_columns
+    paper_products, light_tree, backdrop, emission_parts, like_products, closure_columns,
+    displacement
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
     emitters, lamp_glow
     block_loop, reference, catchers, ray_masks,      8  UNBIASED's loop; estimators to compare with

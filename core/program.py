@@ -136,6 +136,32 @@ class WorldProgram:
     strength: np.ndarray
 
 
+class Displacement(NamedTuple):
+    """What a material moves vertices by (core/displacement.py).
+
+    value: of the program, a vector, metres in world space
+    keeps_normals: whether normals stay as they were, for the material's bump turns them besides:
+        Cycles' Displacement and Bump
+    """
+
+    program: Program
+    value: Value
+    keeps_normals: bool
+
+
+class AtRest(NamedTuple):
+    """A scene before materials have moved its vertices.
+
+    mesh: a TriangleMesh of the same triangles; corner_normals: those that bumps begin with
+    objects: bool, one an object, whether any of its vertices has moved; smooth: bool, one a
+        triangle, whether it is of these and shaded smooth
+    """
+
+    mesh: object
+    objects: np.ndarray
+    smooth: np.ndarray
+
+
 class ImageTiles(NamedTuple):
     """An image, or the tiles of one.
 
@@ -196,6 +222,7 @@ class Shaders:
         Cycles of Blender 4
     near_distance: metres that nodes look around for what is near, which do not say how far
     near: near_rays.NearRays, which a render puts here for them; None: nothing is near
+    rest: what there was before vertices were displaced; None: none was
     """
 
     programs: tuple[Program | None, ...]
@@ -205,6 +232,7 @@ class Shaders:
     one_more: bool = False
     near_distance: float = 10.0
     near: object | None = None
+    rest: AtRest | None = None
 
     def passes_of_camera(self, most: int) -> int:
         """How many surfaces a ray of the camera goes through; most: transparent_max_bounces."""

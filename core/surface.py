@@ -14,7 +14,7 @@ from .closure_columns import ClosureValues, Columns
 from .cutouts import opacity_gain
 from .hair_setup import HairValues
 from .lobes import Lobes, matte_alone
-from .nodes import Evaluation, ShadeContext
+from .nodes import Evaluation, ShadeContext, surface_evaluation
 from .poses import points_at_rest, posed_normals
 from .program import Hair, Program, Subsurface
 from .rows import any_in_row, row_means
@@ -141,7 +141,7 @@ def materials_of(scene: Scene, points: ShadingPoints, programs):
     programs: one a material, or None
     """
     for which, number, context in _contexts(scene, points, programs):
-        yield which, number, Evaluation(programs[number], context)
+        yield which, number, surface_evaluation(programs[number], context)
 
 
 def _contexts(scene: Scene, points: ShadingPoints, programs):
@@ -165,7 +165,7 @@ def _evaluate(
     passed: of ShadingPoints, of these; whole: whether light from under the surface counts as the
     surface's own, and hair is matte
     """
-    evaluation = Evaluation(program, context)
+    evaluation = surface_evaluation(program, context)
 
     def turned(vectors):
         return posed_normals(pose, context.mesh, context.triangle, vectors)

@@ -2,6 +2,7 @@
 
 values       arithmetic of numbers (n,) and vectors (n, 3)
 context      what a node may ask of the points
+places       where these lie on triangles
 coordinates, images, arithmetic, color, normals, noise, voronoi, patterns, element_info,
 hair_info, ies, falloff, near, wireframe
              the nodes, one file a family
@@ -12,6 +13,6 @@ lamp_map     a lamp's program over the lamp
 """
 
 from .context import ShadeContext
-from .evaluate import FUNCTIONS, Evaluation
+from .evaluate import FUNCTIONS, Evaluation, surface_evaluation
 
-__all__ = ["FUNCTIONS", "Evaluation", "ShadeContext"]
+__all__ = ["FUNCTIONS", "Evaluation", "ShadeContext", "surface_evaluation"]

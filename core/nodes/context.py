@@ -10,35 +10,8 @@ from ..panorama_places import space_axes
 from ..program import SurfaceData
 from ..rows import any_in_row, rows_of
 from ..scene import Camera, TriangleMesh
-from .values import as_vector, dot, normalized, vector
-
-
-def barycentric_of(mesh: TriangleMesh, triangle, position) -> np.ndarray:
-    """float32 (n, 2): weights of the second and third corner at places on triangles.
-
-    From the place again, so that what traces rays need not carry them along.
-    """
-    places = _places()
-    found = np.empty((len(triangle), 2), np.float32)
-    position = np.ascontiguousarray(position, np.float32)
-    places.barycentric_at(mesh.vertices, mesh.triangles, triangle, position, found)
-    return found
-
-
-def _in_shape(pose, mesh: TriangleMesh, triangle):
-    """See shapes.shaped_for_nodes, a kernel, which is loaded for what moves alone."""
-    if pose is None:
-        return mesh, triangle
-    from .. import shapes
-
-    return shapes.shaped_for_nodes(pose, mesh, triangle)
-
-
-def _places():
-    """Kernels: the exporters load without numba."""
-    from .. import element_places
-
-    return element_places
+from .places import barycentric_of, in_shape, kernels
+from .values import as_vector, column, dot, length, normalized, vector
 
 
 class ShadeContext:
@@ -50,9 +23,12 @@ class ShadeContext:
     shape: (a mesh that has the triangles where the points lie on them, int32 (n,), their rows in
         it); None: mesh has them there
     near: near_rays.NearPoints, whom nodes ask what is around; None: nothing is
+    rest: program.AtRest, of what was displaced; None: nothing was
+    now: of points at_rest: where they are; None: they are there
+    unmoved: of points that are moved for a bump: where they were; None: they are there
     """
 
-    near = None
+    near = rest = now = unmoved = None
 
     def __init__(
         self,
@@ -90,7 +66,7 @@ class ShadeContext:
         there: the same where they are in the scene's pose, if nodes may ask what is around them
         """
         mesh, shaders = scene.mesh, scene.shaders
-        shape, faces = _in_shape(scene.pose, mesh, points.triangle)
+        shape, faces = in_shape(scene.pose, mesh, points.triangle)
         found = cls(
             mesh,
             shaders.surface,
@@ -105,6 +81,7 @@ class ShadeContext:
             shadow,
             shape=(shape, faces),
         )
+        found.rest = shaders.rest
         if shaders.near is not None and there is not None:
             found.near = shaders.near.points(there)
         return found
@@ -127,7 +104,7 @@ class ShadeContext:
             distance,
             (self._shape, self._faces[which]),
         )
-        taken.near = None if self.near is None else self.near.at(which)
+        taken.near, taken.rest = None if self.near is None else self.near.at(which), self.rest
         return taken
 
     @cached_property
@@ -145,7 +122,7 @@ class ShadeContext:
         matrices = self.surface.object_to_world
         inverses = np.empty_like(matrices)
         done = np.zeros(len(matrices), np.bool_)
-        _places().invert(matrices, self.object, done, inverses)
+        kernels().invert(matrices, self.object, done, inverses)
         return inverses
 
     @property
@@ -166,7 +143,7 @@ class ShadeContext:
         """float32 (n, 3), in the object's own space."""
         moved = np.empty((len(self), 3), np.float32)
         position = np.ascontiguousarray(self.position, np.float32)
-        _places().place(self._world_to_object, self.object, position, moved)
+        kernels().place(self._world_to_object, self.object, position, moved)
         return moved
 
     @cached_property
@@ -176,7 +153,7 @@ class ShadeContext:
         normal = np.empty((len(self), 3), np.float32)
         corners = self._shape.corner_normals, self._faces, self.barycentric
         matrices = self.surface.object_to_world, self.object
-        _places().corner_normals_at(*corners, *matrices, normal)
+        kernels().corner_normals_at(*corners, *matrices, normal)
         return normal
 
     def normal_to_object(self, vectors) -> np.ndarray:
@@ -190,9 +167,12 @@ class ShadeContext:
     def vector_to_world(self, vectors) -> np.ndarray:
         return self._turned(self.surface.object_to_world, vectors, False, False)
 
+    def vector_to_object(self, vectors) -> np.ndarray:
+        return self._turned(self._world_to_object, vectors, False, False)
+
     def _turned(self, matrices, vectors, transposed, unit) -> np.ndarray:
         vectors, turned = as_vector(vectors, len(self)), np.empty((len(self), 3), np.float32)
-        _places().turn(matrices, self.object, vectors, transposed, unit, turned)
+        kernels().turn(matrices, self.object, vectors, transposed, unit, turned)
         return turned
 
     def attribute(self, name: str) -> np.ndarray | None:
@@ -203,7 +183,7 @@ class ShadeContext:
         value = np.empty((len(self), table.shape[2]), np.float32)
         flipped = self.surface.mirrored[self.object]
         own = self.surface.row, self.triangle, flipped, self.barycentric
-        _places().interpolate(table, *own, value)
+        kernels().interpolate(table, *own, value)
         return value
 
     def uv(self, name: str = "") -> np.ndarray:
@@ -235,6 +215,8 @@ class ShadeContext:
     @cached_property
     def footprint(self) -> np.ndarray:
         """float32 (n,), metres that a pixel covers at the point, seen straight on."""
+        if self.now is not None:
+            return self.now.footprint
         if self.camera.kind == "PANORAMIC":
             from ..panorama import pixel_angle  # a kernel: the exporters load without numba
 
@@ -262,8 +244,8 @@ class ShadeContext:
         slant = np.linalg.norm(self.camera_position, axis=1) / np.maximum(depth, 1e-20)
         return (beyond * slant).astype(np.float32)
 
-    def tangents(self, length) -> tuple[np.ndarray, np.ndarray]:
-        """Two vectors in the plane of the face, at right angles, of a length (n,): the first one is
+    def tangents(self, size) -> tuple[np.ndarray, np.ndarray]:
+        """Two vectors in the plane of the face, at right angles, of a size (n,): the first one is
         (1, 1, 1) x the normal, or (-1, 1, 1) x it. Bumps ask for heights there, as Cycles' do."""
         n = self.geometric_normal
         x, y, z = n.T
@@ -271,14 +253,50 @@ class ShadeContext:
         even = ~any_in_row(t)
         t[even] = np.stack([z - y, x + z, -y - x], -1)[even]
         t = normalized(t)
-        scale = np.asarray(length, np.float32)[:, None]
+        scale = np.asarray(size, np.float32)[:, None]
         return (t * scale).astype(np.float32), (np.cross(n, t) * scale).astype(np.float32)
 
-    def moved(self, offset) -> ShadeContext:
-        """The same points moved in the planes of their faces. offset: float32 (n, 3)"""
+    def at_rest(self) -> ShadeContext:
+        """The same points where they were before they were displaced, with their normals."""
+        if self.rest is None:
+            return self
+        other, side = self.take(slice(None)), column(1.0 - 2.0 * self.backfacing)
+        other._shape, other._faces, other.now = self.rest.mesh, self.triangle, self
+        weights = np.column_stack([1.0 - self.barycentric.sum(axis=1), self.barycentric])[
+            :, :, None
+        ]
+        a, b, c = other.corners.transpose(1, 0, 2)
+        other.position = (weights * other.corners).sum(axis=1)
+        normals = other._shape.corner_normals[self.triangle]
+        other.normal = side * normalized((weights * normals).sum(axis=1))
+        other.geometric_normal = side * normalized(np.cross(b - a, c - a))
+        return other
+
+    def steps(self, size, rescaled=False):
+        """(two steps in the planes of the faces, two by which positions move) to where bumps ask
+        for heights, as Cycles' do.
+
+        size: float32 (n,), metres, on faces as they are now. Steps of points at_rest go along with
+        these, positions as if they had not turned: as far, or rescaled to steps before Blender 5.2.
+        """
+        if self.now is None:
+            return (self.tangents(size),) * 2
+        a, b, c = self.corners.transpose(1, 0, 2)
+        places, found = self.now.tangents(size), []
+        for step in places:
+            u, v = (self.now.moved(step).barycentric - self.barycentric).T
+            found.append(column(u) * (b - a) + column(v) * (c - a))
+        if rescaled:
+            places = self.now.tangents(0.5 * (length(found[0]) + length(found[1])))
+        return found, places
+
+    def moved(self, offset, place=None) -> ShadeContext:
+        """The same points moved in the planes of their faces. offset: float32 (n, 3), and place, of
+        their positions, where that is another one"""
         other, shape = self.take(slice(None)), self._shape
-        other.position = self.position + offset
+        other.unmoved = self
+        other.position = self.position + (offset if place is None else place)
         other.barycentric = other.barycentric.copy()
         own = shape.vertices, shape.triangles, self._faces
-        _places().move_barycentric(*own, as_vector(offset, len(self)), other.barycentric)
+        kernels().move_barycentric(*own, as_vector(offset, len(self)), other.barycentric)
         return other

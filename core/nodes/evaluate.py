@@ -113,10 +113,14 @@ class Evaluation:
         return outputs[value.output]
 
     def _run(self, op):
-        settings = op.settings
+        if op.settings.get("at_rest") and self._context.rest is not None:
+            before = Evaluation(_Ops(self._ops), self._context.at_rest())
+            return before._run(op._replace(settings={**op.settings, "at_rest": False}))
+        settings, inputs = op.settings, op.inputs
         if op.kind == "ShaderNodeBump":
             settings = {**settings, "heights": self._heights(op)}
-        inputs = {name: self.value(v) for name, v in op.inputs.items() if name != "Height"}
+            inputs = {name: value for name, value in inputs.items() if name != "Height"}
+        inputs = {name: self.value(value) for name, value in inputs.items()}
         with np.errstate(all="ignore"):
             return FUNCTIONS[op.kind](self._context, settings, inputs)
 
@@ -124,9 +128,23 @@ class Evaluation:
         """A bump's height here and a part of a pixel aside, and the two steps, (n, 3) each."""
         context, height = self._context, op.inputs["Height"]
         width = as_number(self.value(op.inputs.get("Filter Width", np.float32(0.1))), len(context))
-        steps = context.tangents(np.maximum(context.footprint * width, _least_step(context)))
-        moved = (Evaluation(_Ops(self._ops), context.moved(step)).number(height) for step in steps)
+        size = np.maximum(context.footprint * width, _least_step(context))
+        steps, places = context.steps(size, op.settings.get("rescaled", False))
+        moved = (
+            Evaluation(_Ops(self._ops), context.moved(*own)).number(height)
+            for own in zip(steps, places, strict=True)
+        )
         return self.number(height), *moved, steps
+
+
+def surface_evaluation(program: Program, context: ShadeContext) -> Evaluation:
+    """Of a surface: all but a displacement's bump itself sees the normal that this leaves."""
+    first, turned = Evaluation(program, context), program.displaced
+    if turned is None:
+        return first
+    after = context.take(slice(None))
+    after.normal = first.vector(turned)
+    return Evaluation(program, after, {turned.op: {turned.output: after.normal}})
 
 
 class _Ops:

@@ -2,6 +2,7 @@
 
 errors                       what can stop an export
 local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
+displaced_mesh               that table where materials have moved its vertices
 parts, point_..., strand..., hair_curves, particle_hair, element_values
                              points and strands: spheres and tubes, and what nodes ask of them
 camera, panorama, lamps,     the other parts of a Scene
@@ -29,11 +30,12 @@ import numpy as np
 
 from ...core.asked_passes import NO_PASSES
 from ...core.emitters import Told, with_emitters
-from ...core.program import Shaders
+from ...core.program import Shaders, SurfaceData
 from ...core.scene import NO_MEASURED, Scene
 from .aovs import AovExport, export_aovs, no_aovs
 from .asked import occlusion_distance, read_asked
 from .camera import export_camera
+from .displaced_mesh import displaced_geometry
 from .errors import ExportCancelled, ExportError
 from .lamp_pictures import with_pictures
 from .light_groups import rows_of
@@ -89,10 +91,7 @@ def export_scene(
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
     camera = camera or export_camera(depsgraph, warnings, region=region)
-    read = export_mesh(depsgraph, warnings, cache, cancelled)
-    if geometry is not None:
-        geometry.append(read)
-    geometry = read
+    read, geometry = geometry, export_mesh(depsgraph, warnings, cache, cancelled)
     texels = None if cache is None else cache.texels
     own = depsgraph, geometry, live, texels, cancelled, warnings
     (materials, measured), world = _materials_and_world(*own)
@@ -101,10 +100,12 @@ def export_scene(
     scene = depsgraph.scene_eval
     own = geometry.materials, geometry.material_users, warnings, texels
     aovs = export_aovs(depsgraph, *own) if live is None else no_aovs(geometry.materials)
+    surface = _surface(geometry, materials, aovs, warnings)
+    geometry = displaced_geometry(geometry, materials, surface, camera, cache)
     unlit = Scene(
         mesh=geometry.mesh,
         materials=materials.params,
-        shaders=_shaders(geometry, materials, aovs, occlusion_distance(depsgraph), warnings),
+        shaders=_shaders(geometry, materials, aovs, surface, occlusion_distance(depsgraph)),
         environment=world.light,
         backdrop=world.backdrop,
         camera=camera,
@@ -116,8 +117,10 @@ def export_scene(
         measured=measured or NO_MEASURED,
         exposure=film_exposure(scene),
         asked=NO_PASSES if live is not None else read_asked(depsgraph, geometry),
-        object_to_world=None if live is None else _places(geometry),
+        object_to_world=None if live is None or geometry.rest is not None else _places(geometry),
     )
+    if read is not None:
+        read.append(geometry)
     return _with_lamps(unlit, geometry, texels, warnings)
 
 
@@ -185,18 +188,26 @@ def _export_materials(geometry: MeshExport, texels, warnings: list[str]):
     return found._replace(params=params, pass_index=index), measured
 
 
+def _surface(
+    geometry: MeshExport, materials: MaterialExport, aovs: AovExport, warnings: list[str]
+) -> SurfaceData | None:
+    """What the programs of the scene's materials ask for; None where no material needs one."""
+    if not any((*materials.programs, *materials.displacements)) and not aovs.aovs:
+        return None
+    requests = tuple(a | b for a, b in zip(materials.requests, aovs.requests, strict=True))
+    return surface_data(geometry.inventory, geometry.mesh, geometry.kept, requests, warnings)
+
+
 def _shaders(
     geometry: MeshExport,
     materials: MaterialExport,
     aovs: AovExport,
+    surface: SurfaceData | None,
     near_distance: float,
-    warnings: list[str],
 ) -> Shaders | None:
     """The programs of the scene's materials; None where no material needs one."""
     if not any(materials.programs) and not aovs.aovs:
         return None
-    requests = tuple(a | b for a, b in zip(materials.requests, aovs.requests, strict=True))
-    surface = surface_data(geometry.inventory, geometry.mesh, geometry.kept, requests, warnings)
     return Shaders(
         programs=materials.programs,
         surface=surface,
@@ -204,4 +215,5 @@ def _shaders(
         aovs=aovs.aovs,
         one_more=bpy.app.version < (5, 0),
         near_distance=near_distance,
+        rest=geometry.rest,
     )

@@ -21,6 +21,7 @@ from .object_motion import Key, key_of
 from .placement import WITHOUT_PLACE, Transforms, corner_order, transform_points, users_of
 from .shape_readers import normals_along, reader_of, velocities_of
 from .triangle_normals import make_unit, usable_vertices
+from .triangle_rows import Rows, rows_of_instances
 
 # Of an object's size: what modifiers that follow other objects round to is below.
 _CHANGED = 1e-6
@@ -214,39 +215,11 @@ def _bytes_of(part: _Part) -> int:
     return arrays + (part.steps - 1) * _STEP_BYTES * len(local.triangles) * instances
 
 
-class _Rows(NamedTuple):
-    """Of one instance: int32 (m,), its triangles in the table; int64 (m,), in its LocalMesh."""
-
-    table: np.ndarray
-    local: np.ndarray
-
-
-def _rows_of(geometry: MeshExport, instances: list[int]) -> dict[int, _Rows]:
-    """By row of the instance. An object's triangles stand in the order of its LocalMesh."""
-    objects, usable = geometry.mesh.object_index, None
-    if geometry.kept is not None:
-        usable, objects = geometry.kept
-    wanted = np.zeros(len(geometry.inventory.instances), np.bool_)
-    wanted[instances] = True
-    every = np.flatnonzero(wanted[objects])
-    own = objects[every]
-    every, own = (column[np.argsort(own, kind="stable")] for column in (every, own))
-    place = None if usable is None else np.cumsum(usable) - 1
-    found = {}
-    for row in instances:
-        rows = every[slice(*np.searchsorted(own, (row, row + 1)))]
-        local = np.arange(len(rows))
-        if usable is not None:
-            local, rows = local[usable[rows]], place[rows[usable[rows]]]
-        found[row] = _Rows(rows.astype(np.int32), local)
-    return found
-
-
 def _table(geometry: MeshExport, parts: list[_Part], steps: int) -> Shapes:
     """The shapes of all instances of parts, in world space."""
     part_of = {row: part for part in parts for row in part.rows}
     rows, instances = list(part_of), geometry.inventory.instances
-    triangles, users = _rows_of(geometry, rows), users_of(geometry.inventory)
+    triangles, users = rows_of_instances(geometry, rows), users_of(geometry.inventory)
     transforms = Transforms.of([instances[row] for row in rows])
     ends = np.cumsum([_counts(part_of[row].local) for row in rows], axis=0)
     positions, normals = (np.empty((steps, n, 3), np.float32) for n in ends[-1])
@@ -257,6 +230,8 @@ def _table(geometry: MeshExport, parts: list[_Part], steps: int) -> Shapes:
         places = positions[:, first[0] : ends[k, 0]], normals[:, first[1] : ends[k, 1]]
         moves = transforms.matrices[k], transforms.cofactors[k]
         _place(part, *moves, users[instances[row].part] > 1, *places)
+        if geometry.rest is not None and geometry.rest.objects[row]:
+            _displace(geometry, part.local, own, transforms.mirrors[k], *places)
         columns.append((own.table, *_corners(part.local, own, transforms.mirrors[k], *first)))
     table, corners, index = (np.concatenate(column) for column in zip(*columns, strict=True))
     order = np.argsort(table, kind="stable")
@@ -269,7 +244,7 @@ def _counts(local: LocalMesh) -> np.ndarray:
     return np.array([len(local.positions), 0 if local.normals is None else len(local.normals)])
 
 
-def _corners(local: LocalMesh, own: _Rows, mirrored, first, first_normal):
+def _corners(local: LocalMesh, own: Rows, mirrored, first, first_normal):
     """Shapes.corners and normal_index of one instance; first: where its positions begin."""
     order = corner_order(mirrored)
     corners = local.triangles[own.local][:, order] + first
@@ -296,3 +271,22 @@ def _place(part: _Part, matrix, cofactor, shared, positions, normals) -> None:
     broken = ~usable_vertices(local.positions)
     if broken.any():  # no triangle names them
         positions[:, broken] = 0.0
+
+
+def _displace(geometry, local: LocalMesh, own: Rows, mirrored, positions, normals) -> None:
+    """Move all steps of an instance by what its material moves the middle by, as Cycles does, and
+    turn normals by as much."""
+    mesh, before, order = geometry.mesh, geometry.rest.mesh, corner_order(mirrored)
+    corners, offsets = mesh.triangles[own.table], np.zeros_like(positions[0])
+    moves = mesh.vertices[corners] - before.vertices[corners]
+    offsets[local.triangles[own.local][:, order]] = moves
+    positions += offsets
+    if not normals.shape[1]:
+        return
+    smooth = slice(None) if local.flat is None else ~local.flat[own.local]
+    index, table = local.normal_index[own.local][smooth][:, order], own.table[smooth]
+    turns = np.zeros_like(normals[0])
+    turns[index] = mesh.corner_normals[table] - before.corner_normals[table]
+    normals += turns
+    for step in normals:
+        make_unit(step)

@@ -1,7 +1,10 @@
-"""Displacement of materials as Cycles shows it by default: as bump."""
+"""The Displacement of a Material Output: what moves vertices, and what turns normals as a bump."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import bpy
 import numpy as np
 
 from ...core.program import Ref, Value
@@ -10,22 +13,46 @@ from .node_values import follow
 _ONE = np.float32(1.0)
 
 
-def displaced_normal(material, output, builder) -> Value | None:
-    """The normal that the Displacement of a Material Output leaves; None: there is nothing that
-    turns it."""
-    end, warn = follow(output.inputs["Displacement"]), builder.reader.warn
-    if end.node is None:
-        return None
-    if end.node.bl_idname != "ShaderNodeDisplacement":
-        warn(end.node, f"{end.node.bl_label} is not supported: no displacement")
-        return None
-    if material.displacement_method != "BUMP":
-        warn(end.node, "no vertex is displaced: it is shown as bump")
-    height = _height(end.node, end.groups, builder)
+class DisplacementRead(NamedTuple):
+    """normal: what it leaves, as a bump; None: there is nothing that turns it
+    moves: a vector, metres in world space; None: vertices stay
+    """
+
+    normal: Ref | None
+    moves: Value | None
+
+
+def read_displacement(material, output, builder) -> DisplacementRead:
+    """What Cycles makes of a material's displacement, by its setting Displacement."""
+    socket, method = output.inputs["Displacement"], material.displacement_method
+    if follow(socket).node is None:
+        return DisplacementRead(None, None)
+    moves = normal = None
+    if method != "BUMP":
+        value = builder.behind(socket, (), "VECTOR")
+        moves = value if isinstance(value, Ref) or np.any(value) else None
+    if method != "DISPLACEMENT":
+        normal = _bump(socket, builder, at_rest=method == "BOTH")
+    return DisplacementRead(normal, moves)
+
+
+def _bump(socket, builder, at_rest) -> Ref | None:
+    end = follow(socket)
+    if end.node.bl_idname == "ShaderNodeDisplacement":  # whatever its Normal, as in Cycles
+        height = _height(end.node, end.groups, builder)
+    else:  # along the normal
+        along = builder.add_node(None, (), "ShaderNodeNewGeometry", {}, {"outputs": {"Normal"}})
+        inputs = {
+            "Vector": builder.behind(socket, (), "VECTOR"),
+            "Vector_001": Ref(along, "Normal"),
+        }
+        settings = {"operation": "DOT_PRODUCT"}
+        height = builder.run("ShaderNodeVectorMath", "Value", settings=settings, **inputs)
     if not isinstance(height, Ref):
         return None
     inputs = {"Height": height, "Strength": _ONE, "Distance": _ONE}
-    return Ref(builder.add_node(None, (), "ShaderNodeBump", inputs, {"invert": False}), "Normal")
+    settings = {"invert": False, "at_rest": at_rest, "rescaled": bpy.app.version < (5, 2)}
+    return Ref(builder.add_node(None, (), "ShaderNodeBump", inputs, settings), "Normal")
 
 
 def _height(node, groups, builder) -> Value:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from ...core.program import Closure, Program
+from ...core.program import Closure, Displacement, Program
 from ...core.program_ops import depends_on_around, passes_by_place
 from ...core.scene import (
     BLACK,
@@ -30,7 +30,7 @@ from ...core.scene import (
     VELVET_SHEEN,
     MaterialParams,
 )
-from .displacement import displaced_normal
+from .displacement import DisplacementRead, read_displacement
 from .node_values import NodeReader, follow
 from .program_builder import ProgramBuilder
 from .program_images import ImageStore
@@ -45,13 +45,15 @@ class MaterialExport(NamedTuple):
 
     params: a row each; pass_index: float32 (n,), the value of the material index pass
     programs: one each, None where the row says all
-    requests: names of the mesh data that each one's program needs (surface_data.py)
+    requests: names of the mesh data that each one's programs need (surface_data.py)
+    displacements: what moves vertices, one each; None: nothing does
     """
 
     params: MaterialParams
     pass_index: np.ndarray
     programs: tuple[Program | None, ...]
     requests: tuple[frozenset[str], ...]
+    displacements: tuple[Displacement | None, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +111,7 @@ def export_shaders(
         _surface_of(material, names, warnings, images)
         for material, names in zip(materials, users, strict=True)
     ]
-    surfaces = [surface for surface, _, _ in found]
+    surfaces, programs, requests, displacements = zip(*found, strict=True) if found else ((),) * 4
     columns = {}
     for field in MaterialParams._fields:
         values = [getattr(surface, field) for surface in surfaces]
@@ -122,28 +124,30 @@ def export_shaders(
     return MaterialExport(
         MaterialParams(**columns),
         np.array(index, np.float32),
-        tuple(program for _, program, _ in found),
-        tuple(frozenset(requests) for _, _, requests in found),
+        programs,
+        tuple(map(frozenset, requests)),
+        displacements,
     )
 
 
 def _surface_of(material, users, warnings, images):
-    """(row, program or None, requests) of one material."""
+    """(row, program or None, requests, displacement or None) of one material."""
     if material is None:
-        return _NO_MATERIAL, None, ()
+        return _NO_MATERIAL, None, (), None
     reader = NodeReader(material.name, users, warnings)
     # From Blender 5 every material has nodes; asking is deprecated there.
     uses_nodes = bpy.app.version >= (5, 0) or material.use_nodes
     if not uses_nodes or material.node_tree is None:
-        return _Surface(base_color=tuple(material.diffuse_color[:3])), None, ()
+        return _Surface(base_color=tuple(material.diffuse_color[:3])), None, (), None
     output = material.node_tree.get_output_node("CYCLES")
     if output is None:
         reader.warn(None, "has no Material Output node: black, as in Cycles")
-        return _NOTHING, None, ()
+        return _NOTHING, None, (), None
     if follow(output.inputs["Volume"]).node is not None:
         reader.warn(output, "Volume is not supported and left out")
     builder = ProgramBuilder(reader, images)
-    builder.displaced = displaced_normal(material, output, builder)
+    displacement = read_displacement(material, output, builder)
+    builder.displaced = displacement.normal
     shaders = ShaderReader(builder)
     shaders.read(output.inputs["Surface"])
     if follow(output.inputs["Surface"]).node is None:
@@ -151,7 +155,8 @@ def _surface_of(material, users, warnings, images):
             shaders.parts.transparent.append(np.ones(3, np.float32))
         else:
             reader.warn(output, "nothing is linked to Surface: black, as in Cycles")
-    return _finished(shaders.parts, builder, reader, _settings_of(material))
+    row, program = _finished(shaders.parts, builder, reader, _settings_of(material))
+    return row, program, builder.requests, _moving(displacement, builder)
 
 
 class _Settings(NamedTuple):
@@ -170,7 +175,7 @@ def _settings_of(material) -> _Settings:
 def _finished(
     parts: SurfaceParts, builder: ProgramBuilder, reader: NodeReader, settings: _Settings
 ):
-    """(row, program or None, requests) of all that a tree came to."""
+    """(row, program or None) of all that a tree came to."""
     emission, transparent = builder.added(parts.emission), builder.added(parts.transparent)
     holdout = builder.added(parts.holdout)
     is_more = parts.added and transparent is not None and holdout is None
@@ -179,7 +184,7 @@ def _finished(
     row = _finite(_row_of(closures, emission, builder), reader)
     plain = transparent is None and holdout is None and settings.corrects_bumps
     if plain and _is_row(closures, emission):
-        return row, None, ()
+        return row, None
     closures = closures or [Closure(BLACK, GGX, np.ones(3, np.float32), {})]
     program = Program(
         ops=builder.ops,
@@ -196,7 +201,14 @@ def _finished(
         reader.warn(parts.tinted[0], told)
     if transparent is not None and depends_on_around(program, transparent):
         reader.warn(None, _CLEAR_NEAR)
-    return row, program, builder.requests
+    return row, program
+
+
+def _moving(read: DisplacementRead, builder: ProgramBuilder) -> Displacement | None:
+    if read.moves is None:
+        return None
+    program = Program(ops=builder.ops, closures=())
+    return Displacement(program, read.moves, keeps_normals=read.normal is not None)
 
 
 def _merged(closures: list[Closure], builder) -> list[Closure]:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...core.program import AtRest
 from ...core.scene import TriangleMesh
 from .instances import Inventory, collect_instances
 from .local_mesh import LiveMeshes, LocalMesh
@@ -29,6 +30,7 @@ class MeshExport(NamedTuple):
         row = TriangleMesh.object_index
     inventory: where all came from; kept: bool, of all triangles those of mesh, and
         int32, the objects of all; None: all are in it
+    rest: what there was before materials have moved vertices (displaced_mesh.py); None: none has
     """
 
     mesh: TriangleMesh
@@ -39,6 +41,7 @@ class MeshExport(NamedTuple):
     object_flags: np.ndarray
     inventory: Inventory
     kept: tuple[np.ndarray, np.ndarray] | None
+    rest: AtRest | None = None
 
 
 class _Merged(NamedTuple):
@@ -78,6 +81,7 @@ class ExportCache:
         self.placed: Placed | None = None  # only where all of it is in mesh
         self.kept: tuple[np.ndarray, np.ndarray] | None = None
         self.warnings: list[str] = []
+        self.displaced = None  # of displaced_mesh.py
         self.texels = TexelCache()
         # Of a window: what need not be read again, and which items it shows (collect_instances).
         self.live: LiveMeshes | None = None

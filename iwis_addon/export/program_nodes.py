@@ -118,7 +118,12 @@ def _attribute(builder, node, groups):
 
 
 def _normal_map(builder, node, groups):
-    settings = {"space": node.space}
+    settings = {
+        "space": node.space,
+        "downward": getattr(node, "convention", "OPENGL") == "DIRECTX",
+        "original": getattr(node, "base", "") == "ORIGINAL",
+        "follows": getattr(node, "base", "") == "DISPLACED",  # since Blender 5.2
+    }
     if node.space == "TANGENT":
         settings["table"] = f"tangent:{node.uv_map}"
         builder.requests.add(settings["table"])
@@ -207,6 +212,14 @@ def _light_falloff(builder, node, groups):
     return builder.add_node(node, groups, LIGHT_FALLOFF, inputs, {"outputs": set()})
 
 
+def _displacement(builder, node, groups):
+    settings, inputs = {"space": node.space}, builder.inputs(node, groups)
+    if node.space == "TANGENT":
+        settings["table"] = "tangent:"
+        builder.requests.add(settings["table"])
+    return builder.add_node(node, groups, node.bl_idname, inputs, settings)
+
+
 def _bevel(builder, node, groups):
     """ "Surface" is the normal that displacement leaves."""
     inputs = builder.inputs(node, groups)
@@ -235,6 +248,8 @@ HANDLERS = {
     "ShaderNodeAmbientOcclusion": _ambient_occlusion,
     "ShaderNodeBevel": _bevel,
     "ShaderNodeBlackbody": _blackbody,
+    "ShaderNodeDisplacement": _displacement,
+    "ShaderNodeVectorDisplacement": _displacement,
     "ShaderNodeTexCoord": _texture_coordinate,
     "ShaderNodeUVMap": _uv_map,
     "ShaderNodeVertexColor": _color_attribute,

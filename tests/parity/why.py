@@ -22,7 +22,13 @@ _NEAR = "Cycles' light samples know of no occlusion there, as here; its BSDF sam
 
 _BELLS = "Cycles evaluates it over other directions than it samples (record 41)"
 
+_STRETCHED = (
+    "on faces that are stretched far, at the edges of the cube; others agree: not known why"
+)
+
 WHY = {
+    "Displacement of vertices and bump, vector in tangent space, normals": _STRETCHED,
+    "Displacement of vertices and bump, vector in tangent space": _STRETCHED,
     "Ambient Occlusion above a threshold": "the few rays of a point lie otherwise: worst there",
     "Ambient Occlusion as alpha": _NEAR,
     "Ambient Occlusion as light of a cube": _NEAR,

@@ -1,0 +1,151 @@
+"""Vertices moved by their materials, before any ray: Cycles' displacement of settings Displacement
+Only and Displacement and Bump.
+
+A vertex goes where the first of its triangles with such a material sends it, evaluated at that
+triangle's corner and with the normal of the vertex, of flat faces too. Normals follow the vertices,
+or stay where a bump turns them besides. Normals of face corners (sharp edges, custom ones) turn by
+as much as those of their vertices do.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+
+from .nodes import Evaluation, ShadeContext
+from .nodes.values import normalized
+from .program import AtRest, Displacement, SurfaceData
+from .scene import Camera, TriangleMesh
+
+_CHUNK = 1 << 16  # vertices evaluated together
+_FARTHEST = 1e18  # metres: squares of distances would overflow
+_CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], np.float32)  # barycentric
+
+
+class Displaced(NamedTuple):
+    """A mesh table with its vertices moved, and what there was before."""
+
+    mesh: TriangleMesh
+    rest: AtRest
+
+
+class Movable(NamedTuple):
+    """What a mesh table does not tell of its triangles, bool (m,) each, and of its vertices.
+
+    movable: whether a material may move them; flat: they have their geometric normal; cornered:
+    they have normals of their corners, which may differ at one vertex
+    vertex_normals: float32 (n, 3), unit, of the vertices of movable ones, however these are shaded
+    """
+
+    movable: np.ndarray
+    flat: np.ndarray
+    cornered: np.ndarray
+    vertex_normals: np.ndarray
+
+
+def displaced(
+    mesh: TriangleMesh,
+    displacements: tuple[Displacement | None, ...],
+    kinds: Movable,
+    surface: SurfaceData,
+    camera: Camera,
+    material_pass_index: np.ndarray,
+    bumps_at_rest: bool = True,
+) -> Displaced | None:
+    """The mesh with its vertices moved; None where no material moves any.
+
+    displacements: one a material; surface, camera, material_pass_index: what their programs may ask
+    for; bumps_at_rest: whether bumps on flat faces begin with their normals at rest, as Cycles of
+    Blender 5.2 does; else with those that they have now
+    What is no number moves nothing, as in Cycles, and so does what is too far to be rendered.
+    """
+    moving = np.array([d is not None for d in displacements], np.bool_)[mesh.material_index]
+    moving &= kinds.movable
+    faces = np.flatnonzero(moving)
+    if not len(faces):
+        return None
+    vertex, first = np.unique(mesh.triangles[faces], return_index=True)
+    face, corner = faces[first // 3].astype(np.int32), (first % 3).astype(np.int32)
+    own = surface, camera, material_pass_index
+    vertices = mesh.vertices.copy()
+    for begin in range(0, len(vertex), _CHUNK):
+        some = slice(begin, begin + _CHUNK)
+        seen = face[some], corner[some], kinds.vertex_normals[vertex[some]]
+        offsets = _offsets(mesh, displacements, own, *seen)
+        places = vertices[vertex[some]] + offsets
+        far = ~(np.abs(places) < _FARTHEST).all(axis=1)
+        places[far] = vertices[vertex[some]][far]
+        vertices[vertex[some]] = places
+    moved = np.zeros(len(vertices), np.bool_)
+    moved[vertex] = True
+    keeps = np.array([d is not None and d.keeps_normals for d in displacements], np.bool_)
+    follows = moving & ~keeps[mesh.material_index]
+    touched = moved[mesh.triangles].any(axis=1)
+    normals = _normals(mesh, vertices, kinds, touched, moving, follows)
+    begun, flat = mesh.corner_normals, np.flatnonzero(moving & ~follows & kinds.flat)
+    if len(flat) and not bumps_at_rest:
+        begun = begun.copy()
+        begun[flat] = normals[flat]
+    objects = np.zeros(len(surface.mirrored), np.bool_)
+    objects[mesh.object_index[faces]] = True
+    smooth = kinds.movable & ~kinds.flat & objects[mesh.object_index]
+    return Displaced(
+        dataclasses.replace(mesh, vertices=vertices, corner_normals=normals),
+        AtRest(dataclasses.replace(mesh, corner_normals=begun), objects, smooth),
+    )
+
+
+def _offsets(mesh, displacements, own, face, corner, normal) -> np.ndarray:
+    """float32 (n, 3), metres, at corners of faces, which have vertex normals."""
+    offsets = np.zeros((len(face), 3), np.float32)
+    rows = mesh.material_index[face]
+    geometric = _face_normals(mesh.vertices, mesh.triangles[face])
+    position = mesh.vertices[mesh.triangles[face, corner]]
+    surface, camera, pass_index = own
+    seen = face, _CORNERS[corner], position, geometric, normal, geometric
+    context = ShadeContext(mesh, surface, camera, pass_index, *seen)
+    for row in np.unique(rows):
+        which = np.flatnonzero(rows == row)
+        displacement = displacements[row]
+        evaluation = Evaluation(displacement.program, context.take(which))
+        offsets[which] = evaluation.vector(displacement.value)
+    return offsets
+
+
+def _face_normals(vertices, triangles) -> np.ndarray:
+    """float32 (m, 3), unit; 0 of what has no area."""
+    a, b, c = (vertices[corner].astype(np.float64) for corner in triangles.T)
+    return normalized(np.cross(b - a, c - a)).astype(np.float32)
+
+
+def _vertex_normals(vertices, triangles) -> np.ndarray:
+    """float32 (n, 3), unit: the sums of the unit normals of triangles; 0 of other vertices."""
+    faces = np.repeat(_face_normals(vertices, triangles), 3, axis=0)
+    at, n = triangles.ravel(), len(vertices)
+    sums = [np.bincount(at, weights=axis, minlength=n) for axis in faces.T]
+    return normalized(np.stack(sums, -1)).astype(np.float32)
+
+
+def _normals(mesh: TriangleMesh, vertices, kinds: Movable, touched, moving, follows):
+    """TriangleMesh.corner_normals of moved vertices.
+
+    touched: bool (m,), triangles that have any; moving: those whose materials displace; follows:
+    of these those whose normals do not stay
+    """
+    normals, triangles = mesh.corner_normals.copy(), mesh.triangles
+    smooth = np.flatnonzero(follows & ~kinds.flat & ~kinds.cornered)
+    if len(smooth):
+        whole = _vertex_normals(vertices, triangles[follows])
+        normals[smooth] = whole[triangles[smooth]]
+    objects = np.unique(mesh.object_index[moving & kinds.cornered])
+    if len(objects):
+        own = np.flatnonzero(np.isin(mesh.object_index, objects))
+        before, after = (_vertex_normals(v, triangles[own]) for v in (mesh.vertices, vertices))
+        own = own[kinds.cornered[own] & ~kinds.flat[own]]
+        at = triangles[own]
+        normals[own] = normalized(normals[own] + after[at] - before[at])
+    flat = np.flatnonzero(touched & kinds.flat)
+    normals[flat] = _face_normals(vertices, triangles[flat])[:, None]
+    return normals

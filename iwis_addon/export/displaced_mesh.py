@@ -1,0 +1,139 @@
+"""The mesh table with the vertices that materials move where they belong."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ...core.displacement import Displaced, Movable, displaced
+from ...core.program import Displacement, SurfaceData
+from ...core.scene import Camera, TriangleMesh
+from .local_mesh import LocalMesh
+from .material import MaterialExport
+from .mesh import ExportCache, MeshExport
+from .placement import Transforms, corner_order, transform_points
+from .triangle_normals import geometric_normals, make_unit
+from .triangle_rows import rows_of_instances
+
+
+class Kept(NamedTuple):
+    """What the last export has displaced.
+
+    values: of the objects, which the programs may ask for
+    """
+
+    source: TriangleMesh
+    displacements: tuple[Displacement | None, ...]
+    values: list[np.ndarray]
+    found: Displaced | None
+
+
+def displaced_geometry(
+    geometry: MeshExport,
+    materials: MaterialExport,
+    surface: SurfaceData | None,
+    camera: Camera,
+    cache: ExportCache | None,
+) -> MeshExport:
+    """The geometry with its vertices moved; the same one where no material moves any.
+
+    surface: what the programs of materials ask for; cache: as for export_mesh: where nothing has
+    changed its mesh is the very same one again
+    """
+    moves = [displacement is not None for displacement in materials.displacements]
+    inventory = geometry.inventory
+    rows = [
+        row
+        for row, instance in enumerate(inventory.instances)
+        if any(moves[slot] for slot in instance.slots) and not inventory.parts[instance.part].round
+    ]
+    if not rows:
+        return geometry
+    own = materials.displacements, surface, camera, materials.pass_index
+    found = _displaced(geometry, rows, cache, *own)
+    return geometry if found is None else geometry._replace(mesh=found.mesh, rest=found.rest)
+
+
+def _displaced(
+    geometry, rows, cache, displacements, surface, camera, pass_index
+) -> Displaced | None:
+    kept, source = None if cache is None else cache.displaced, geometry.mesh
+    values = [surface.color, surface.random, surface.pass_index, pass_index]
+    values += [surface.object_tables[name] for name in sorted(surface.object_tables)]
+    known = kept is not None and kept.source is source
+    if known and kept.displacements is displacements and _same(kept.values, values):
+        return kept.found
+    own = displacements, _movable(geometry, rows), surface, camera, pass_index
+    found = displaced(source, *own, bumps_at_rest=bpy.app.version >= (5, 2))
+    if known and None not in (found, kept.found) and _same(_shape(kept.found), _shape(found)):
+        found = kept.found
+    if cache is not None:
+        cache.displaced = Kept(source, displacements, values, found)
+    return found
+
+
+def _shape(found: Displaced):
+    rest = found.rest
+    return found.mesh.vertices, found.mesh.corner_normals, rest.mesh.corner_normals, rest.objects
+
+
+def _same(these, others) -> bool:
+    return len(these) == len(others) and all(map(np.array_equal, these, others))
+
+
+def _movable(geometry: MeshExport, rows: list[int]) -> Movable:
+    """rows: of instances that are displaced"""
+    inventory, mesh = geometry.inventory, geometry.mesh
+    instances = [inventory.instances[row] for row in rows]
+    triangles, transforms = rows_of_instances(geometry, rows), Transforms.of(instances)
+    flags = (np.zeros(len(mesh.triangles), np.bool_) for _ in range(3))
+    found = Movable(*flags, np.zeros_like(mesh.vertices))
+    for k, (row, instance) in enumerate(zip(rows, instances, strict=True)):
+        part, own = inventory.parts[instance.part], triangles[row]
+        if not len(own.table):
+            continue
+        found.movable[own.table] = True
+        found.flat[own.table] = _flat(inventory.sources[instance.part], part)[own.local]
+        found.cornered[own.table] = part.normals is not None and (
+            part.normal_index is not part.triangles
+        )
+        corners = part.triangles[own.local[0]][corner_order(transforms.mirrors[k])]
+        first = mesh.triangles[own.table[0], 0] - corners[0]
+        normals = _vertex_normals(inventory.sources[instance.part], part)
+        out = found.vertex_normals[first : first + len(normals)]
+        transform_points(transforms.cofactors[k : k + 1], normals, out[None])
+        make_unit(out)
+    return found
+
+
+def _flat(source, part: LocalMesh) -> np.ndarray:
+    """bool (m,): triangles of flat faces, which may have normals of corners all the same."""
+    m = len(part.triangles)
+    if part.normals is None or part.flat is not None:
+        return np.ones(m, np.bool_) if part.normals is None else part.flat
+    sharp = None if source is None else source.attributes.get("sharp_face")
+    if sharp is None or sharp.domain != "FACE":
+        return np.zeros(m, np.bool_)
+    flags, faces = np.empty(len(sharp.data), np.bool_), np.empty(m, np.int32)
+    sharp.data.foreach_get("value", flags)
+    source.loop_triangles.foreach_get("polygon_index", faces)
+    return flags[faces]
+
+
+def _vertex_normals(source, part: LocalMesh) -> np.ndarray:
+    """float32 (n, 3), in object space: along these Cycles displaces, of custom normals their means.
+
+    source: the bpy mesh; None: it is being edited, and has gone
+    """
+    if source is not None:
+        normals = np.empty((len(source.vertices), 3), np.float32)
+        source.vertex_normals.foreach_get("vector", normals.reshape(-1))
+        return normals
+    corners = part.positions[part.triangles]
+    normals, _ = geometric_normals(*np.ascontiguousarray(corners.transpose(1, 0, 2)))
+    found = np.zeros_like(part.positions)
+    np.add.at(found, part.triangles, normals[:, None])
+    make_unit(found)
+    return found
