@@ -45,50 +45,43 @@ class Movable(NamedTuple):
     vertex_normals: np.ndarray
 
 
+class Asked(NamedTuple):
+    """What displacements may ask for, beside the mesh: as in Shaders and Scene."""
+
+    surface: SurfaceData
+    camera: Camera
+    material_pass_index: np.ndarray
+
+
 def displaced(
     mesh: TriangleMesh,
     displacements: tuple[Displacement | None, ...],
     kinds: Movable,
-    surface: SurfaceData,
-    camera: Camera,
-    material_pass_index: np.ndarray,
+    asked: Asked,
     bumps_at_rest: bool = True,
+    check=lambda: None,
 ) -> Displaced | None:
     """The mesh with its vertices moved; None where no material moves any.
 
-    displacements: one a material; surface, camera, material_pass_index: what their programs may ask
-    for; bumps_at_rest: whether bumps on flat faces begin with their normals at rest, as Cycles of
-    Blender 5.2 does; else with those that they have now
-    What is no number moves nothing, as in Cycles, and so does what is too far to be rendered.
+    displacements: one a material; bumps_at_rest: whether bumps on flat faces begin with their
+    normals at rest, as Cycles of Blender 5.2 does; else with those that they have now
+    check() is called every few milliseconds, and may raise to stop.
     """
     moving = np.array([d is not None for d in displacements], np.bool_)[mesh.material_index]
     moving &= kinds.movable
     faces = np.flatnonzero(moving)
     if not len(faces):
         return None
-    vertex, first = np.unique(mesh.triangles[faces], return_index=True)
-    face, corner = faces[first // 3].astype(np.int32), (first % 3).astype(np.int32)
-    own = surface, camera, material_pass_index
-    vertices = mesh.vertices.copy()
-    for begin in range(0, len(vertex), _CHUNK):
-        some = slice(begin, begin + _CHUNK)
-        seen = face[some], corner[some], kinds.vertex_normals[vertex[some]]
-        offsets = _offsets(mesh, displacements, own, *seen)
-        places = vertices[vertex[some]] + offsets
-        far = ~(np.abs(places) < _FARTHEST).all(axis=1)
-        places[far] = vertices[vertex[some]][far]
-        vertices[vertex[some]] = places
-    moved = np.zeros(len(vertices), np.bool_)
-    moved[vertex] = True
     keeps = np.array([d is not None and d.keeps_normals for d in displacements], np.bool_)
     follows = moving & ~keeps[mesh.material_index]
-    touched = moved[mesh.triangles].any(axis=1)
-    normals = _normals(mesh, vertices, kinds, touched, moving, follows)
+    vertices = _moved_vertices(mesh, displacements, kinds, faces, asked, check)
+    check()
+    normals = _normals(mesh, vertices, kinds, moving, follows)
     begun, flat = mesh.corner_normals, np.flatnonzero(moving & ~follows & kinds.flat)
     if len(flat) and not bumps_at_rest:
         begun = begun.copy()
         begun[flat] = normals[flat]
-    objects = np.zeros(len(surface.mirrored), np.bool_)
+    objects = np.zeros(len(asked.surface.mirrored), np.bool_)
     objects[mesh.object_index[faces]] = True
     smooth = kinds.movable & ~kinds.flat & objects[mesh.object_index]
     return Displaced(
@@ -97,15 +90,31 @@ def displaced(
     )
 
 
-def _offsets(mesh, displacements, own, face, corner, normal) -> np.ndarray:
+def _moved_vertices(mesh, displacements, kinds: Movable, faces, asked: Asked, check) -> np.ndarray:
+    """TriangleMesh.vertices, those of some faces moved. What is no number moves nothing, as in
+    Cycles, and so does what is too far to be rendered."""
+    vertex, first = np.unique(mesh.triangles[faces], return_index=True)
+    face, corner = faces[first // 3].astype(np.int32), (first % 3).astype(np.int32)
+    vertices = mesh.vertices.copy()
+    for begin in range(0, len(vertex), _CHUNK):
+        check()
+        some = slice(begin, begin + _CHUNK)
+        own, before = vertex[some], mesh.vertices[vertex[some]]
+        seen = face[some], corner[some], kinds.vertex_normals[own]
+        places = before + _offsets(mesh, displacements, asked, *seen)
+        near = (np.abs(places) < _FARTHEST).all(axis=1, keepdims=True)
+        vertices[own] = np.where(near, places, before)
+    return vertices
+
+
+def _offsets(mesh, displacements, asked: Asked, face, corner, normal) -> np.ndarray:
     """float32 (n, 3), metres, at corners of faces, which have vertex normals."""
     offsets = np.zeros((len(face), 3), np.float32)
     rows = mesh.material_index[face]
     geometric = _face_normals(mesh.vertices, mesh.triangles[face])
     position = mesh.vertices[mesh.triangles[face, corner]]
-    surface, camera, pass_index = own
     seen = face, _CORNERS[corner], position, geometric, normal, geometric
-    context = ShadeContext(mesh, surface, camera, pass_index, *seen)
+    context = ShadeContext(mesh, *asked, *seen)
     for row in np.unique(rows):
         which = np.flatnonzero(rows == row)
         displacement = displacements[row]
@@ -128,11 +137,11 @@ def _vertex_normals(vertices, triangles) -> np.ndarray:
     return normalized(np.stack(sums, -1)).astype(np.float32)
 
 
-def _normals(mesh: TriangleMesh, vertices, kinds: Movable, touched, moving, follows):
+def _normals(mesh: TriangleMesh, vertices, kinds: Movable, moving, follows):
     """TriangleMesh.corner_normals of moved vertices.
 
-    touched: bool (m,), triangles that have any; moving: those whose materials displace; follows:
-    of these those whose normals do not stay
+    moving: bool (m,), triangles whose materials displace; follows: of these those whose normals do
+    not stay
     """
     normals, triangles = mesh.corner_normals.copy(), mesh.triangles
     smooth = np.flatnonzero(follows & ~kinds.flat & ~kinds.cornered)
@@ -146,6 +155,8 @@ def _normals(mesh: TriangleMesh, vertices, kinds: Movable, touched, moving, foll
         own = own[kinds.cornered[own] & ~kinds.flat[own]]
         at = triangles[own]
         normals[own] = normalized(normals[own] + after[at] - before[at])
-    flat = np.flatnonzero(touched & kinds.flat)
+    moved = np.zeros(len(vertices), np.bool_)
+    moved[triangles[moving]] = True
+    flat = np.flatnonzero(moved[triangles].any(axis=1) & kinds.flat)
     normals[flat] = _face_normals(vertices, triangles[flat])[:, None]
     return normals

@@ -273,8 +273,7 @@ class ShadeContext:
         return other
 
     def steps(self, size, rescaled=False):
-        """(two steps in the planes of the faces, two by which positions move) to where bumps ask
-        for heights, as Cycles' do.
+        """(two steps in the planes of the faces, two by which positions move) to where bumps look.
 
         size: float32 (n,), metres, on faces as they are now. Steps of points at_rest go along with
         these, positions as if they had not turned: as far, or rescaled to steps before Blender 5.2.
@@ -282,10 +281,9 @@ class ShadeContext:
         if self.now is None:
             return (self.tangents(size),) * 2
         a, b, c = self.corners.transpose(1, 0, 2)
-        places, found = self.now.tangents(size), []
-        for step in places:
-            u, v = (self.now.moved(step).barycentric - self.barycentric).T
-            found.append(column(u) * (b - a) + column(v) * (c - a))
+        places = self.now.tangents(size)
+        by = ((self.now.moved(step).barycentric - self.barycentric).T for step in places)
+        found = [column(u) * (b - a) + column(v) * (c - a) for u, v in by]
         if rescaled:
             places = self.now.tangents(0.5 * (length(found[0]) + length(found[1])))
         return found, places

@@ -101,7 +101,8 @@ def export_scene(
     own = geometry.materials, geometry.material_users, warnings, texels
     aovs = export_aovs(depsgraph, *own) if live is None else no_aovs(geometry.materials)
     surface = _surface(geometry, materials, aovs, warnings)
-    geometry = displaced_geometry(geometry, materials, surface, camera, cache)
+    own = materials, surface, camera, cache, cancelled, warnings
+    geometry = displaced_geometry(geometry, *own)
     unlit = Scene(
         mesh=geometry.mesh,
         materials=materials.params,

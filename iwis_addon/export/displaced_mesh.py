@@ -7,9 +7,11 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from ...core.displacement import Displaced, Movable, displaced
+from ...core.displacement import Asked, Displaced, Movable, displaced
 from ...core.program import Displacement, SurfaceData
 from ...core.scene import Camera, TriangleMesh
+from .errors import ExportCancelled
+from .instances import Inventory
 from .local_mesh import LocalMesh
 from .material import MaterialExport
 from .mesh import ExportCache, MeshExport
@@ -36,12 +38,20 @@ def displaced_geometry(
     surface: SurfaceData | None,
     camera: Camera,
     cache: ExportCache | None,
+    cancelled,
+    warnings: list[str],
 ) -> MeshExport:
     """The geometry with its vertices moved; the same one where no material moves any.
 
     surface: what the programs of materials ask for; cache: as for export_mesh: where nothing has
-    changed its mesh is the very same one again
+    changed its mesh is the very same one again; warnings: of objects that are too coarse for that
+    Raises ExportCancelled soon after cancelled() says so.
     """
+
+    def check():
+        if cancelled():
+            raise ExportCancelled
+
     moves = [displacement is not None for displacement in materials.displacements]
     inventory = geometry.inventory
     rows = [
@@ -51,22 +61,44 @@ def displaced_geometry(
     ]
     if not rows:
         return geometry
-    own = materials.displacements, surface, camera, materials.pass_index
-    found = _displaced(geometry, rows, cache, *own)
+    warnings.extend(_lines(inventory, rows))
+    asked = Asked(surface, camera, materials.pass_index)
+    found = _displaced(geometry, rows, cache, materials.displacements, asked, check)
     return geometry if found is None else geometry._replace(mesh=found.mesh, rest=found.rest)
 
 
-def _displaced(
-    geometry, rows, cache, displacements, surface, camera, pass_index
-) -> Displaced | None:
+def _lines(inventory: Inventory, rows: list[int]) -> list[str]:
+    """A warning for each object whose vertices Cycles would make itself."""
+    every = {look.asked.own.name: look.asked.own for look in (inventory.looks[r] for r in rows)}
+    return [
+        f"Object {name}: adaptive subdivision is not supported; it is displaced with as many "
+        f"vertices as its modifiers give it: raise Levels Render of {obj.modifiers[-1].name}"
+        for name, obj in every.items()
+        if _is_adaptive(obj, inventory.layer[1])
+    ]
+
+
+def _is_adaptive(obj, scene) -> bool:
+    last = obj.modifiers[-1] if len(obj.modifiers) else None
+    if last is None or last.type != "SUBSURF" or not last.show_render:
+        return False
+    if bpy.app.version >= (5, 0):
+        return last.use_adaptive_subdivision
+    own, settings = getattr(obj, "cycles", None), getattr(scene, "cycles", None)
+    wants = own is not None and own.use_adaptive_subdivision
+    return wants and settings.feature_set == "EXPERIMENTAL"
+
+
+def _displaced(geometry, rows, cache, displacements, asked: Asked, check) -> Displaced | None:
     kept, source = None if cache is None else cache.displaced, geometry.mesh
-    values = [surface.color, surface.random, surface.pass_index, pass_index]
+    surface = asked.surface
+    values = [surface.color, surface.random, surface.pass_index, asked.material_pass_index]
     values += [surface.object_tables[name] for name in sorted(surface.object_tables)]
     known = kept is not None and kept.source is source
     if known and kept.displacements is displacements and _same(kept.values, values):
         return kept.found
-    own = displacements, _movable(geometry, rows), surface, camera, pass_index
-    found = displaced(source, *own, bumps_at_rest=bpy.app.version >= (5, 2))
+    own = displacements, _movable(geometry, rows), asked, bpy.app.version >= (5, 2)
+    found = displaced(source, *own, check)
     if known and None not in (found, kept.found) and _same(_shape(kept.found), _shape(found)):
         found = kept.found
     if cache is not None:
@@ -88,20 +120,21 @@ def _movable(geometry: MeshExport, rows: list[int]) -> Movable:
     inventory, mesh = geometry.inventory, geometry.mesh
     instances = [inventory.instances[row] for row in rows]
     triangles, transforms = rows_of_instances(geometry, rows), Transforms.of(instances)
-    flags = (np.zeros(len(mesh.triangles), np.bool_) for _ in range(3))
+    flags, read = (np.zeros(len(mesh.triangles), np.bool_) for _ in range(3)), {}
     found = Movable(*flags, np.zeros_like(mesh.vertices))
     for k, (row, instance) in enumerate(zip(rows, instances, strict=True)):
         part, own = inventory.parts[instance.part], triangles[row]
         if not len(own.table):
             continue
-        found.movable[own.table] = True
-        found.flat[own.table] = _flat(inventory.sources[instance.part], part)[own.local]
-        found.cornered[own.table] = part.normals is not None and (
-            part.normal_index is not part.triangles
-        )
+        if instance.part not in read:
+            source = inventory.sources[instance.part]
+            read[instance.part] = _flat(source, part), _vertex_normals(source, part)
+        flat, normals = read[instance.part]
+        of_points = part.normals is None or part.normal_index is part.triangles
+        found.movable[own.table], found.cornered[own.table] = True, not of_points
+        found.flat[own.table] = flat[own.local]
         corners = part.triangles[own.local[0]][corner_order(transforms.mirrors[k])]
         first = mesh.triangles[own.table[0], 0] - corners[0]
-        normals = _vertex_normals(inventory.sources[instance.part], part)
         out = found.vertex_normals[first : first + len(normals)]
         transform_points(transforms.cofactors[k : k + 1], normals, out[None])
         make_unit(out)

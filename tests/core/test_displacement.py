@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.displacement import Movable, displaced
+from iwis.core.displacement import Asked, Movable, displaced
 from iwis.core.nodes import Evaluation, ShadeContext, surface_evaluation
 from iwis.core.program import AtRest, Displacement, Op, Program, Ref, SurfaceData
 from iwis.core.scene import TriangleMesh
@@ -55,8 +55,8 @@ _DOT = {"operation": "DOT_PRODUCT"}
 
 
 def _run(mesh, displacements, kinds, **options):
-    own = _surface(mesh), camera_above(), np.zeros(len(displacements), np.float32)
-    found = displaced(mesh, tuple(displacements), kinds, *own, **options)
+    asked = Asked(_surface(mesh), camera_above(), np.zeros(len(displacements), np.float32))
+    found = displaced(mesh, tuple(displacements), kinds, asked, **options)
     return found and found.mesh
 
 
@@ -219,3 +219,12 @@ def test_all_else_sees_the_normal_that_a_displacement_leaves():
     seen, turned = (evaluation.vector(value) for value in (Ref(3, "Normal"), program.displaced))
     np.testing.assert_array_equal(seen, turned)
     assert np.abs(turned - UP).max() > 0.3
+
+
+def test_it_can_be_stopped():
+    def check():
+        raise InterruptedError
+
+    mesh = _grid()
+    with pytest.raises(InterruptedError):
+        _run(mesh, [Displacement(*_bowl(), False)], _kinds(mesh), check=check)
