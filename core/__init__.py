@@ -14,7 +14,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, lamp_choice, lamp_pictures, emitter_tree, sheen, toon, islands,
     embree_hits, denoise, hair_frame,
-    bump, stretched, lobes, cell_numbers, shapes
+    bump, stretched, lobes, cell_numbers, shapes, gabor
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
     voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser, bake_rays,

@@ -17,7 +17,7 @@ _SCALE_1, _SCALE_2 = np.float32(0.25), np.float32(0.6616)
 _SCALE_3, _SCALE_4 = np.float32(0.9820), np.float32(0.8344)
 _START = 0xDEADBEEF + 13  # of Jenkins' lookup3, and 4 for each word
 START_1, START_2 = np.uint32(_START + 4), np.uint32(_START + 8)
-_START_3, _START_4 = np.uint32(_START + 12), np.uint32(_START + 16)
+START_3, START_4 = np.uint32(_START + 12), np.uint32(_START + 16)
 
 
 @kernel(forceinline=True)
@@ -40,7 +40,7 @@ def hash_final(a, b, c):
 
 
 @kernel(forceinline=True)
-def _mixed(a, b, c):
+def hash_mixed(a, b, c):
     u = np.uint32
     a = u(u(a - c) ^ _turned(c, 4))
     c = u(c + b)
@@ -96,7 +96,7 @@ def _corner_2(i, j, x, y):
 @kernel(forceinline=True)
 def _corner_3(i, j, k, x, y, z):
     u = np.uint32
-    h = u(hash_final(u(_START_3 + i), u(_START_3 + j), u(_START_3 + k)) & u(15))
+    h = u(hash_final(u(START_3 + i), u(START_3 + j), u(START_3 + k)) & u(15))
     a = x if h < u(8) else y
     other = x if (h == u(12)) | (h == u(14)) else z
     b = y if h < u(4) else other
@@ -106,7 +106,7 @@ def _corner_3(i, j, k, x, y, z):
 @kernel(forceinline=True)
 def _corner_4(i, j, k, m, x, y, z, w):
     u = np.uint32
-    a, b, c = _mixed(u(_START_4 + i), u(_START_4 + j), u(_START_4 + k))
+    a, b, c = hash_mixed(u(START_4 + i), u(START_4 + j), u(START_4 + k))
     h = u(hash_final(u(a + m), b, c) & u(31))
     p = x if h < u(24) else y
     q = y if h < u(16) else z

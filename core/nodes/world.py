@@ -49,7 +49,7 @@ class WorldContext(ShadeContext):
         """Without an object its space is the world's."""
         return vectors
 
-    normal_to_world = normal_to_object
+    normal_to_world = vector_to_world = vector_to_object = normal_to_object
 
 
 def direction(context, settings, inputs):

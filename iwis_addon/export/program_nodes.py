@@ -51,6 +51,7 @@ SETTINGS = {
     "ShaderNodeLayerWeight": (),
     "ShaderNodeTexNoise": ("noise_dimensions", "noise_type", "normalize"),
     "ShaderNodeTexVoronoi": ("voronoi_dimensions", "feature", "distance", "normalize"),
+    "ShaderNodeTexGabor": ("gabor_type",),
     "ShaderNodeTexChecker": (),
     "ShaderNodeTexGradient": ("gradient_type",),
     "ShaderNodeTexWave": ("wave_type", "bands_direction", "rings_direction", "wave_profile"),

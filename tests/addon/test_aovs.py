@@ -123,7 +123,7 @@ def test_what_is_not_known_is_told(cube_scene):
     """A node without a meaning here: its input's own value, and a line."""
     build = Build("Odd")
     build.surface(build.node("ShaderNodeBsdfDiffuse"))
-    odd = build.node("ShaderNodeTexGabor")
+    odd = build.node("ShaderNodeWavelength")
     writes(build, "tone", value=odd.outputs[0])
     bpy.data.objects["Cube"].data.materials.append(build.material)
     add_aov("tone", "VALUE")
@@ -135,7 +135,7 @@ def test_what_is_not_known_is_told(cube_scene):
     scene = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines)
     (aov,) = scene.shaders.aovs
     assert aov.channels == 1 and any(program is not None for program in aov.programs)
-    assert any("Odd" in line and "Gabor" in line for line in lines)
+    assert any("Odd" in line and "Wavelength" in line for line in lines)
     told = f'world "{cube_scene.world.name}", node "Bevel"'
     assert any(line.startswith(told) for line in lines), lines
 

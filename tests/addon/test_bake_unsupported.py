@@ -8,15 +8,19 @@ from iwis.iwis_addon.bake_unsupported import bake_unsupported
 from iwis.iwis_addon.export import export_scene
 
 
-def _material(name, kind="ShaderNodeTexGabor", output=0, target="Base Color", **values):
-    """A Principled BSDF that a node feeds."""
+def _material(name, kind="ShaderNodeWavelength", output=0, target="Base Color"):
+    """A Principled BSDF that a node feeds; wavelengths are those of waves."""
     material = bpy.data.materials.new(name)
     if bpy.app.version < (5, 0):
         material.use_nodes = True
     tree = material.node_tree
     node = tree.nodes.new(kind)
-    for key, value in values.items():
-        node.inputs[key].default_value = value
+    if kind == "ShaderNodeWavelength":
+        waves, range_ = tree.nodes.new("ShaderNodeTexWave"), tree.nodes.new("ShaderNodeMapRange")
+        range_.inputs["To Min"].default_value, range_.inputs["To Max"].default_value = 440.0, 620.0
+        waves.inputs["Scale"].default_value = 0.5
+        tree.links.new(waves.outputs["Fac"], range_.inputs["Value"])
+        tree.links.new(range_.outputs[0], node.inputs[0])
     tree.links.new(node.outputs[output], tree.nodes["Principled BSDF"].inputs[target])
     return material
 
@@ -47,9 +51,9 @@ def _pixels(image):
 
 
 def test_a_pattern_becomes_an_image(scene, plane):
-    """Gabor's noise, 0 to 1; the export has no warning any more; engine, selection and the surface
-    are as before, and the image is kept with the file."""
-    material = _material("M", Scale=2.0)
+    """Colours of wavelengths, 0 to 1; the export has no warning any more; engine, selection and the
+    surface are as before, and the image is kept with the file."""
+    material = _material("M")
     plane.data.materials.append(material)
     bpy.context.view_layer.update()
     assert len(_warnings()) == 1
@@ -115,7 +119,7 @@ def _with_empty_slot(plane, material):
 def _in_group(plane, material):
     group = bpy.data.node_groups.new("Deep", "ShaderNodeTree")
     group.interface.new_socket("Out", in_out="OUTPUT", socket_type="NodeSocketFloat")
-    wave, out = group.nodes.new("ShaderNodeTexGabor"), group.nodes.new("NodeGroupOutput")
+    wave, out = group.nodes.new("ShaderNodeWavelength"), group.nodes.new("NodeGroupOutput")
     group.links.new(wave.outputs[0], out.inputs[0])
     tree = material.node_tree
     node = tree.nodes.new("ShaderNodeGroup")

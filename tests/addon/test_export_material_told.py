@@ -70,8 +70,8 @@ def test_volume_and_what_is_no_displacement_are_told(build):
     """Both are left out."""
     node = build.node("ShaderNodeBsdfDiffuse")
     build.link(build.node("ShaderNodeVolumeScatter").outputs[0], build.output.inputs["Volume"])
-    gabor = build.node("ShaderNodeTexGabor")
-    build.link(gabor.outputs[0], build.output.inputs["Displacement"])
+    other = build.node("ShaderNodeWavelength")
+    build.link(other.outputs[0], build.output.inputs["Displacement"])
     warnings = only(build.surface(node))[1]
     assert len(warnings) == 2 and "Volume" in warnings[0] and "Displacement" in warnings[1]
 

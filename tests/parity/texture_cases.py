@@ -37,6 +37,20 @@ for _dimensions in ("1D", "2D", "3D", "4D"):
                 **({"W": 0.7} if _dimensions in ("1D", "4D") else {}),
             ),
         )
+for _type, _orientation in (("2D", 0.4), ("3D", (0.5, -0.7, 0.3))):
+    for _output in ("Value", "Phase", "Intensity"):
+        for _anisotropy in (1.0, 0.4):
+            _settings = {"Scale": 2.3, "Frequency": 1.7, "Anisotropy": _anisotropy}
+            shown(
+                f"Gabor {_type}, {_output}, anisotropy {_anisotropy:g}",
+                _texture(
+                    "ShaderNodeTexGabor",
+                    _output,
+                    gabor_type=_type,
+                    Orientation=_orientation,
+                    **_settings,
+                ),
+            )
 for _kind in ("MULTIFRACTAL", "RIDGED_MULTIFRACTAL", "HYBRID_MULTIFRACTAL", "HETERO_TERRAIN"):
     shown(
         f"Noise {_kind}", _texture("ShaderNodeTexNoise", 0, noise_type=_kind, Scale=2.0, Detail=2.5)

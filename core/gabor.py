@@ -1,0 +1,140 @@
+"""Gabor noise in two and three dimensions, as Blender has it: a kernel of core/nodes/noise.py.
+
+Sums of waves under a bell, at random points of the cells of a grid [Lagae09], as many in each cell
+[Tavernier19]; as complex numbers, so that the wave's phase and amplitude can be told [Tricard19].
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ._jit import kernel
+from .perlin import START_3, START_4, hash_final, hash_mixed
+
+_IMPULSES = 8  # of a cell
+_ZERO, _HALF, _ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
+_PI, _UNIT = np.float32(np.pi), np.float32(1.0 / 0xFFFFFFFF)
+# The sum over six of its standard deviations is about -1 to 1: of so many impulses whose signs are
+# random, times the integral of a squared wave under its bell.
+_SPREAD_2 = np.float32(6.0 * math.sqrt(_IMPULSES * 0.5 * 0.25))
+_SPREAD_3 = np.float32(6.0 * math.sqrt(_IMPULSES * 0.5 / (4.0 * math.sqrt(2.0))))
+
+
+@kernel(forceinline=True)
+def _bits(x):
+    return np.float32(x).view(np.uint32)
+
+
+@kernel(forceinline=True)
+def _number_3(x, y, z):
+    """A number in 0 ... 1 of three."""
+    u = np.uint32
+    word = hash_final(u(START_3 + _bits(x)), u(START_3 + _bits(y)), u(START_3 + _bits(z)))
+    return np.float32(word) * _UNIT
+
+
+@kernel(forceinline=True)
+def _number_4(x, y, z, w):
+    """A number in 0 ... 1 of four."""
+    u = np.uint32
+    a, b, c = u(START_4 + _bits(x)), u(START_4 + _bits(y)), u(START_4 + _bits(z))
+    a, b, c = hash_mixed(a, b, c)
+    return np.float32(hash_final(u(a + _bits(w)), b, c)) * _UNIT
+
+
+@kernel(forceinline=True)
+def _way(x):
+    """The square of the way from a place to a cell that begins at 0 and ends at 1."""
+    outside = max(-x, x - _ONE, _ZERO)
+    return outside * outside
+
+
+@kernel(forceinline=True)
+def _wave(distance2, turns, sign):
+    """(cosine, sine) under the bell, which ends at a distance of 1."""
+    bell = np.exp(-_PI * distance2) * (_HALF + _HALF * np.cos(_PI * distance2)) * sign
+    angle = np.float32(2.0) * _PI * turns
+    return bell * np.cos(angle), bell * np.sin(angle)
+
+
+@kernel
+def gabor_2d(x, y, frequency, isotropy, angle, out):
+    """Write (cosine, sine) of n points' sums, float32 (2, n).
+
+    x, y: float32 (n,), in cells; frequency: waves a cell; isotropy: 0 to 1, how far orientations
+    are random; angle: radians, of what is not
+    """
+    for n in range(len(x)):
+        column, row = np.floor(x[n]), np.floor(y[n])
+        real = imaginary = _ZERO
+        for j in range(-1, 2):
+            for i in range(-1, 2):
+                cx, cy = np.float32(column + np.float32(i)), np.float32(row + np.float32(j))
+                if _way(x[n] - cx) + _way(y[n] - cy) >= _ONE:
+                    continue
+                for k in range(_IMPULSES):
+                    first = np.float32(3 * k)
+                    place = np.float32(first + _ONE)
+                    dx = x[n] - cx - _number_3(cx, cy, place)
+                    dy = y[n] - cy - _number_3(place, cx, cy)
+                    distance2 = dx * dx + dy * dy
+                    if distance2 >= _ONE:
+                        continue
+                    turned = (_number_3(cx, cy, first) - _HALF) * _PI * isotropy[n] + angle[n]
+                    heads = _number_3(cx, cy, np.float32(place + _ONE)) < _HALF
+                    along = frequency[n] * (dx * np.cos(turned) + dy * np.sin(turned))
+                    c, s = _wave(distance2, along, -_ONE if heads else _ONE)
+                    real += c
+                    imaginary += s
+        out[0, n], out[1, n] = real / _SPREAD_2, imaginary / _SPREAD_2
+
+
+@kernel(forceinline=True)
+def _turned(polar, azimuth, isotropy, cx, cy, cz, first):
+    """The direction of a wave in space."""
+    polar = polar + _number_4(cx, cy, cz, first) * _PI * isotropy
+    azimuth = azimuth + _number_4(cz, cx, first, cy) * _PI * isotropy
+    across = np.sin(polar)
+    return across * np.cos(azimuth), across * np.sin(azimuth), np.cos(polar)
+
+
+@kernel
+def gabor_3d(p, frequency, isotropy, direction, out):
+    """Write (cosine, sine) of n points' sums, float32 (2, n).
+
+    p: float32 (3, n), in cells; direction: float32 (3, n), unit; the rest as for gabor_2d
+    """
+    for n in range(p.shape[1]):
+        x, y, z = p[0, n], p[1, n], p[2, n]
+        ux, uy, uz = direction[0, n], direction[1, n], direction[2, n]
+        flat = np.sqrt(ux * ux + uy * uy)
+        polar = np.arccos(min(max(uz, -_ONE), _ONE))
+        azimuth = np.arccos(min(max(ux / flat, -_ONE), _ONE)) if flat > _ZERO else _ZERO
+        azimuth = -azimuth if uy < _ZERO else azimuth
+        real = imaginary = _ZERO
+        for q in range(27):
+            cx = np.float32(np.floor(x) + np.float32(q % 3 - 1))
+            cy = np.float32(np.floor(y) + np.float32(q // 3 % 3 - 1))
+            cz = np.float32(np.floor(z) + np.float32(q // 9 - 1))
+            if _way(x - cx) + _way(y - cy) + _way(z - cz) >= _ONE:
+                continue
+            for k in range(_IMPULSES):
+                first = np.float32(3 * k)
+                place = np.float32(first + _ONE)
+                dx = x - cx - _number_4(cx, cy, cz, place)
+                dy = y - cy - _number_4(cz, cx, place, cy)
+                dz = z - cz - _number_4(place, cz, cy, cx)
+                distance2 = dx * dx + dy * dy + dz * dz
+                if distance2 >= _ONE:
+                    continue
+                tx, ty, tz = ux, uy, uz
+                if isotropy[n] != _ZERO:
+                    tx, ty, tz = _turned(polar, azimuth, isotropy[n], cx, cy, cz, first)
+                heads = _number_4(cx, cy, cz, np.float32(place + _ONE)) < _HALF
+                along = frequency[n] * (dx * tx + dy * ty + dz * tz)
+                c, s = _wave(distance2, along, -_ONE if heads else _ONE)
+                real += c
+                imaginary += s
+        out[0, n], out[1, n] = real / _SPREAD_3, imaginary / _SPREAD_3
