@@ -13,13 +13,13 @@ import numpy as np
 from ._jit import kernel
 from .perlin import START_3, START_4, hash_final, hash_mixed
 
-_IMPULSES = 8  # of a cell
+IMPULSES = 8  # of a cell
 _ZERO, _HALF, _ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
 _PI, _UNIT = np.float32(np.pi), np.float32(1.0 / 0xFFFFFFFF)
 # The sum over six of its standard deviations is about -1 to 1: of so many impulses whose signs are
 # random, times the integral of a squared wave under its bell.
-_SPREAD_2 = np.float32(6.0 * math.sqrt(_IMPULSES * 0.5 * 0.25))
-_SPREAD_3 = np.float32(6.0 * math.sqrt(_IMPULSES * 0.5 / (4.0 * math.sqrt(2.0))))
+_SPREAD_2 = np.float32(6.0 * math.sqrt(IMPULSES * 0.5 * 0.25))
+_SPREAD_3 = np.float32(6.0 * math.sqrt(IMPULSES * 0.5 / (4.0 * math.sqrt(2.0))))
 
 
 @kernel(forceinline=True)
@@ -60,34 +60,34 @@ def _wave(distance2, turns, sign):
 
 
 @kernel
-def gabor_2d(x, y, frequency, isotropy, angle, out):
+def gabor_2d(x, y, frequency, isotropy, angle, scratch, out):
     """Write (cosine, sine) of n points' sums, float32 (2, n).
 
     x, y: float32 (n,), in cells; frequency: waves a cell; isotropy: 0 to 1, how far orientations
-    are random; angle: radians, of what is not
+    are random; angle: radians, of what is not; scratch: float32 (4, IMPULSES)
     """
     for n in range(len(x)):
-        column, row = np.floor(x[n]), np.floor(y[n])
         real = imaginary = _ZERO
-        for j in range(-1, 2):
-            for i in range(-1, 2):
-                cx, cy = np.float32(column + np.float32(i)), np.float32(row + np.float32(j))
-                if _way(x[n] - cx) + _way(y[n] - cy) >= _ONE:
+        for q in range(9):
+            cx = np.float32(np.floor(x[n]) + np.float32(q % 3 - 1))
+            cy = np.float32(np.floor(y[n]) + np.float32(q // 3 - 1))
+            px, py = x[n] - cx, y[n] - cy
+            if _way(px) + _way(py) >= _ONE:
+                continue
+            for k in range(IMPULSES):  # a loop without branches: eight hashes at once
+                place = np.float32(3 * k + 1)
+                dx, dy = px - _number_3(cx, cy, place), py - _number_3(place, cx, cy)
+                scratch[0, k], scratch[1, k], scratch[3, k] = dx, dy, dx * dx + dy * dy
+            for k in range(IMPULSES):
+                if scratch[3, k] >= _ONE:
                     continue
-                for k in range(_IMPULSES):
-                    first = np.float32(3 * k)
-                    place = np.float32(first + _ONE)
-                    dx = x[n] - cx - _number_3(cx, cy, place)
-                    dy = y[n] - cy - _number_3(place, cx, cy)
-                    distance2 = dx * dx + dy * dy
-                    if distance2 >= _ONE:
-                        continue
-                    turned = (_number_3(cx, cy, first) - _HALF) * _PI * isotropy[n] + angle[n]
-                    heads = _number_3(cx, cy, np.float32(place + _ONE)) < _HALF
-                    along = frequency[n] * (dx * np.cos(turned) + dy * np.sin(turned))
-                    c, s = _wave(distance2, along, -_ONE if heads else _ONE)
-                    real += c
-                    imaginary += s
+                first = np.float32(3 * k)
+                turned = (_number_3(cx, cy, first) - _HALF) * _PI * isotropy[n] + angle[n]
+                heads = _number_3(cx, cy, np.float32(3 * k + 2)) < _HALF
+                along = scratch[0, k] * np.cos(turned) + scratch[1, k] * np.sin(turned)
+                c, s = _wave(scratch[3, k], frequency[n] * along, -_ONE if heads else _ONE)
+                real += c
+                imaginary += s
         out[0, n], out[1, n] = real / _SPREAD_2, imaginary / _SPREAD_2
 
 
@@ -101,7 +101,7 @@ def _turned(polar, azimuth, isotropy, cx, cy, cz, first):
 
 
 @kernel
-def gabor_3d(p, frequency, isotropy, direction, out):
+def gabor_3d(p, frequency, isotropy, direction, scratch, out):
     """Write (cosine, sine) of n points' sums, float32 (2, n).
 
     p: float32 (3, n), in cells; direction: float32 (3, n), unit; the rest as for gabor_2d
@@ -118,23 +118,26 @@ def gabor_3d(p, frequency, isotropy, direction, out):
             cx = np.float32(np.floor(x) + np.float32(q % 3 - 1))
             cy = np.float32(np.floor(y) + np.float32(q // 3 % 3 - 1))
             cz = np.float32(np.floor(z) + np.float32(q // 9 - 1))
-            if _way(x - cx) + _way(y - cy) + _way(z - cz) >= _ONE:
+            px, py, pz = x - cx, y - cy, z - cz
+            if _way(px) + _way(py) + _way(pz) >= _ONE:
                 continue
-            for k in range(_IMPULSES):
-                first = np.float32(3 * k)
-                place = np.float32(first + _ONE)
-                dx = x - cx - _number_4(cx, cy, cz, place)
-                dy = y - cy - _number_4(cz, cx, place, cy)
-                dz = z - cz - _number_4(place, cz, cy, cx)
-                distance2 = dx * dx + dy * dy + dz * dz
-                if distance2 >= _ONE:
+            for k in range(IMPULSES):
+                place = np.float32(3 * k + 1)
+                dx = px - _number_4(cx, cy, cz, place)
+                dy = py - _number_4(cz, cx, place, cy)
+                dz = pz - _number_4(place, cz, cy, cx)
+                scratch[0, k], scratch[1, k], scratch[2, k] = dx, dy, dz
+                scratch[3, k] = dx * dx + dy * dy + dz * dz
+            for k in range(IMPULSES):
+                if scratch[3, k] >= _ONE:
                     continue
                 tx, ty, tz = ux, uy, uz
                 if isotropy[n] != _ZERO:
+                    first = np.float32(3 * k)
                     tx, ty, tz = _turned(polar, azimuth, isotropy[n], cx, cy, cz, first)
-                heads = _number_4(cx, cy, cz, np.float32(place + _ONE)) < _HALF
-                along = frequency[n] * (dx * tx + dy * ty + dz * tz)
-                c, s = _wave(distance2, along, -_ONE if heads else _ONE)
+                heads = _number_4(cx, cy, cz, np.float32(3 * k + 2)) < _HALF
+                along = scratch[0, k] * tx + scratch[1, k] * ty + scratch[2, k] * tz
+                c, s = _wave(scratch[3, k], frequency[n] * along, -_ONE if heads else _ONE)
                 real += c
                 imaginary += s
         out[0, n], out[1, n] = real / _SPREAD_3, imaginary / _SPREAD_3

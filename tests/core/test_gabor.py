@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from iwis.core.gabor import gabor_2d, gabor_3d
+from iwis.core.gabor import IMPULSES, gabor_2d, gabor_3d
 
 N = 4000
 
@@ -11,13 +11,14 @@ N = 4000
 def _sums(dimensions, places, frequency=2.0, isotropy=0.0, direction=(1.0, 0.0, 0.0)):
     n = places.shape[1]
     out = np.empty((2, n), np.float32)
+    room = np.empty((4, IMPULSES), np.float32), out
     frequency, isotropy = (np.full(n, value, np.float32) for value in (frequency, isotropy))
     if dimensions == 2:
         angle = np.full(n, np.arctan2(direction[1], direction[0]), np.float32)
-        gabor_2d(places[0], places[1], frequency, isotropy, angle, out)
+        gabor_2d(places[0], places[1], frequency, isotropy, angle, *room)
     else:
         axis = np.tile(np.float32(direction)[:, None], (1, n))
-        gabor_3d(places, frequency, isotropy, np.ascontiguousarray(axis), out)
+        gabor_3d(places, frequency, isotropy, np.ascontiguousarray(axis), *room)
     return out
 
 
