@@ -39,24 +39,6 @@ _WITHOUT_WEIGHT = {
 }
 
 
-def _conductor(cosine, n, k):
-    """Fresnel's reflectance of a conductor with index n + ik."""
-    sine2 = 1.0 - cosine**2
-    t = n**2 - k**2 - sine2
-    length = np.sqrt(t**2 + 4.0 * n**2 * k**2)
-    across = np.sqrt(2.0 * (length + t)) * cosine
-    s = (length + cosine**2 - across) / (length + cosine**2 + across)
-    up, side = length * cosine**2 + sine2**2, across * sine2
-    return 0.5 * s * (1.0 + (up - side) / (up + side))
-
-
-def _f82_of_indices(n, k):
-    """Base color and edge tint whose F82 curve meets a conductor's at 0 and 82 degrees."""
-    base, edge = _conductor(1.0, n, k), _conductor(1.0 / 7.0, n, k)
-    schlick = base + (1.0 - base) * (6.0 / 7.0) ** 5
-    return base.astype(np.float32), np.minimum(edge / schlick, 1.0).astype(np.float32)
-
-
 class ShaderReader(HairShaders):
     """Adds what stands behind a shader socket to its ``parts``."""
 
@@ -208,12 +190,9 @@ class ShaderReader(HairShaders):
         if node.fresnel_type == "F82":
             base, tint = color(node, "Base Color", groups), color(node, "Edge Tint", groups)
         else:
-            indices = (color(node, "IOR", groups), color(node, "Extinction", groups))
-            if not all(map(is_constant, indices)):
-                self._warn(node, "IOR and Extinction vary: their means are used")
-                indices = map(self._builder.mean, indices)
-            base, tint = _f82_of_indices(*indices)
-            self._warn(node, "a physical conductor is rendered by the nearest F82 curve")
+            inputs = {name: color(node, name, groups) for name in ("IOR", "Extinction")}
+            names = ("Base Color", "Edge Tint")
+            base, tint = (self._builder.run("conductor", name, **inputs) for name in names)
         params = {
             "base_color": base,
             "metallic": ONE,
