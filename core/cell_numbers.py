@@ -1,7 +1,9 @@
 """Blender's random numbers of the cells of a grid, in one to four dimensions: kernels.
 
-PCG in 32-bit arithmetic, each step cut off as numba widens it; on the line Jenkins' lookup3. A cell
-is four whole numbers, float32, 0 beyond the dimensions d that there are.
+PCG in 32-bit arithmetic, each step cut off as numba widens it; on the line, and everywhere before
+Blender 5, Jenkins' lookup3. A cell is four whole numbers, float32, 0 beyond the dimensions d that
+there are. Which hash it is, is the length of a tuple: known to the compiler, so that loops over
+points stay free of branches.
 """
 
 from __future__ import annotations
@@ -9,12 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .perlin import START_1, START_2, hash_final
+from .perlin import START_1, START_2, hash_final, number_of_2, number_of_3, number_of_4
 
 _FACTOR, _SUMMAND = np.int32(1664525), np.int32(1013904223)
 _UNIT, _LINE_UNIT = np.float32(1.0 / 0x7FFFFFFF), np.float32(1.0 / 0xFFFFFFFF)
 _BITS_OF_1, _BITS_OF_2 = np.float32([1.0, 2.0]).view(np.uint32)
-_ZERO = np.float32(0.0)
+_ZERO, _ONE, _TWO = np.float32(0.0), np.float32(1.0), np.float32(2.0)
 
 
 @kernel(forceinline=True)
@@ -79,8 +81,33 @@ def _more_of_line(i, word):
 
 
 @kernel(forceinline=True)
-def cell_numbers(d, cell):
-    """Four numbers in 0 ... 1 of a cell."""
+def _numbers_before(d, cell):
+    """cell_numbers of before Blender 5."""
+    x, y, z, w = cell
+    if d == 2:
+        return number_of_2(x, y), number_of_3(x, y, _ONE), number_of_3(x, y, _TWO), _ZERO
+    if d == 3:
+        return number_of_3(x, y, z), number_of_4(x, y, z, _ONE), number_of_4(x, y, z, _TWO), _ZERO
+    return number_of_4(x, y, z, w), number_of_4(z, x, w, y), number_of_4(w, z, y, x), _ZERO
+
+
+@kernel(forceinline=True)
+def _point_before(d, cell):
+    """Four numbers: cell_point of before Blender 5, of randomness 1."""
+    x, y, z, w = cell
+    if d == 2:
+        return number_of_2(x, y), number_of_3(x, y, _ONE), _ZERO, _ZERO
+    if d == 3:
+        return _numbers_before(d, cell)
+    first, second = number_of_4(x, y, z, w), number_of_4(w, x, y, z)
+    return first, second, number_of_4(z, w, x, y), number_of_4(y, z, w, x)
+
+
+@kernel(forceinline=True)
+def cell_numbers(d, cell, before):
+    """Four numbers in 0 ... 1 of a cell. before: (), or (0,) for those of before Blender 5"""
+    if len(before) > 0 and d > 1:
+        return _numbers_before(d, cell)
     i, j, k, m = np.int32(cell[0]), np.int32(cell[1]), np.int32(cell[2]), np.int32(cell[3])
     if d == 1:
         return line_number(i), _more_of_line(i, _BITS_OF_1), _more_of_line(i, _BITS_OF_2), _ZERO
@@ -94,12 +121,15 @@ def cell_numbers(d, cell):
 
 
 @kernel(forceinline=True)
-def cell_point(d, cell, randomness):
-    """The point of a cell, from its corner; four numbers."""
+def cell_point(d, cell, randomness, before):
+    """The point of a cell, from its corner; four numbers. before: as of cell_numbers"""
     if d == 1:
         return line_number(np.int32(cell[0])) * randomness, _ZERO, _ZERO, _ZERO
+    if len(before) > 0:
+        x, y, z, w = _point_before(d, cell)
+        return x * randomness, y * randomness, z * randomness, w * randomness
     if d == 2:
         x, y = _flat_numbers(np.int32(cell[0]), np.int32(cell[1]))
         return x * randomness, y * randomness, _ZERO, _ZERO
-    x, y, z, w = cell_numbers(d, cell)
+    x, y, z, w = cell_numbers(d, cell, before)
     return x * randomness, y * randomness, z * randomness, w * randomness

@@ -11,37 +11,15 @@ import math
 import numpy as np
 
 from ._jit import kernel
-from .perlin import START_3, START_4, hash_final, hash_mixed
+from .perlin import number_of_3, number_of_4
 
 IMPULSES = 8  # of a cell
 _ZERO, _HALF, _ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
-_PI, _UNIT = np.float32(np.pi), np.float32(1.0 / 0xFFFFFFFF)
+_PI = np.float32(np.pi)
 # The sum over six of its standard deviations is about -1 to 1: of so many impulses whose signs are
 # random, times the integral of a squared wave under its bell.
 _SPREAD_2 = np.float32(6.0 * math.sqrt(IMPULSES * 0.5 * 0.25))
 _SPREAD_3 = np.float32(6.0 * math.sqrt(IMPULSES * 0.5 / (4.0 * math.sqrt(2.0))))
-
-
-@kernel(forceinline=True)
-def _bits(x):
-    return np.float32(x).view(np.uint32)
-
-
-@kernel(forceinline=True)
-def _number_3(x, y, z):
-    """A number in 0 ... 1 of three."""
-    u = np.uint32
-    word = hash_final(u(START_3 + _bits(x)), u(START_3 + _bits(y)), u(START_3 + _bits(z)))
-    return np.float32(word) * _UNIT
-
-
-@kernel(forceinline=True)
-def _number_4(x, y, z, w):
-    """A number in 0 ... 1 of four."""
-    u = np.uint32
-    a, b, c = u(START_4 + _bits(x)), u(START_4 + _bits(y)), u(START_4 + _bits(z))
-    a, b, c = hash_mixed(a, b, c)
-    return np.float32(hash_final(u(a + _bits(w)), b, c)) * _UNIT
 
 
 @kernel(forceinline=True)
@@ -76,14 +54,14 @@ def gabor_2d(x, y, frequency, isotropy, angle, scratch, out):
                 continue
             for k in range(IMPULSES):  # a loop without branches: eight hashes at once
                 place = np.float32(3 * k + 1)
-                dx, dy = px - _number_3(cx, cy, place), py - _number_3(place, cx, cy)
+                dx, dy = px - number_of_3(cx, cy, place), py - number_of_3(place, cx, cy)
                 scratch[0, k], scratch[1, k], scratch[3, k] = dx, dy, dx * dx + dy * dy
             for k in range(IMPULSES):
                 if scratch[3, k] >= _ONE:
                     continue
                 first = np.float32(3 * k)
-                turned = (_number_3(cx, cy, first) - _HALF) * _PI * isotropy[n] + angle[n]
-                heads = _number_3(cx, cy, np.float32(3 * k + 2)) < _HALF
+                turned = (number_of_3(cx, cy, first) - _HALF) * _PI * isotropy[n] + angle[n]
+                heads = number_of_3(cx, cy, np.float32(3 * k + 2)) < _HALF
                 along = scratch[0, k] * np.cos(turned) + scratch[1, k] * np.sin(turned)
                 c, s = _wave(scratch[3, k], frequency[n] * along, -_ONE if heads else _ONE)
                 real += c
@@ -94,8 +72,8 @@ def gabor_2d(x, y, frequency, isotropy, angle, scratch, out):
 @kernel(forceinline=True)
 def _turned(polar, azimuth, isotropy, cx, cy, cz, first):
     """The direction of a wave in space."""
-    polar = polar + _number_4(cx, cy, cz, first) * _PI * isotropy
-    azimuth = azimuth + _number_4(cz, cx, first, cy) * _PI * isotropy
+    polar = polar + number_of_4(cx, cy, cz, first) * _PI * isotropy
+    azimuth = azimuth + number_of_4(cz, cx, first, cy) * _PI * isotropy
     across = np.sin(polar)
     return across * np.cos(azimuth), across * np.sin(azimuth), np.cos(polar)
 
@@ -123,9 +101,9 @@ def gabor_3d(p, frequency, isotropy, direction, scratch, out):
                 continue
             for k in range(IMPULSES):
                 place = np.float32(3 * k + 1)
-                dx = px - _number_4(cx, cy, cz, place)
-                dy = py - _number_4(cz, cx, place, cy)
-                dz = pz - _number_4(place, cz, cy, cx)
+                dx = px - number_of_4(cx, cy, cz, place)
+                dy = py - number_of_4(cz, cx, place, cy)
+                dz = pz - number_of_4(place, cz, cy, cx)
                 scratch[0, k], scratch[1, k], scratch[2, k] = dx, dy, dz
                 scratch[3, k] = dx * dx + dy * dy + dz * dz
             for k in range(IMPULSES):
@@ -135,7 +113,7 @@ def gabor_3d(p, frequency, isotropy, direction, scratch, out):
                 if isotropy[n] != _ZERO:
                     first = np.float32(3 * k)
                     tx, ty, tz = _turned(polar, azimuth, isotropy[n], cx, cy, cz, first)
-                heads = _number_4(cx, cy, cz, np.float32(3 * k + 2)) < _HALF
+                heads = number_of_4(cx, cy, cz, np.float32(3 * k + 2)) < _HALF
                 along = scratch[0, k] * tx + scratch[1, k] * ty + scratch[2, k] * tz
                 c, s = _wave(scratch[3, k], frequency[n] * along, -_ONE if heads else _ONE)
                 real += c

@@ -12,12 +12,13 @@ from ._jit import kernel
 
 _ZERO, _ONE, _TWO = np.float32(0.0), np.float32(1.0), np.float32(2.0)
 _SIX, _TEN, _FIFTEEN = np.float32(6.0), np.float32(10.0), np.float32(15.0)
+_UNIT = np.float32(1.0 / 0xFFFFFFFF)
 # Of the noise in d dimensions, so that it keeps to -1 ... 1.
 _SCALE_1, _SCALE_2 = np.float32(0.25), np.float32(0.6616)
 _SCALE_3, _SCALE_4 = np.float32(0.9820), np.float32(0.8344)
 _START = 0xDEADBEEF + 13  # of Jenkins' lookup3, and 4 for each word
 START_1, START_2 = np.uint32(_START + 4), np.uint32(_START + 8)
-START_3, START_4 = np.uint32(_START + 12), np.uint32(_START + 16)
+_START_3, _START_4 = np.uint32(_START + 12), np.uint32(_START + 16)
 
 
 @kernel(forceinline=True)
@@ -40,7 +41,7 @@ def hash_final(a, b, c):
 
 
 @kernel(forceinline=True)
-def hash_mixed(a, b, c):
+def _mixed(a, b, c):
     u = np.uint32
     a = u(u(a - c) ^ _turned(c, 4))
     c = u(c + b)
@@ -54,6 +55,36 @@ def hash_mixed(a, b, c):
     a = u(a + c)
     c = u(u(c - b) ^ _turned(b, 4))
     return a, u(b + a), c
+
+
+@kernel(forceinline=True)
+def _word(x):
+    return np.float32(x).view(np.uint32)
+
+
+@kernel(forceinline=True)
+def number_of_2(x, y):
+    """A number in 0 ... 1 of two, by their bits in float32."""
+    u = np.uint32
+    word = hash_final(u(START_2 + _word(x)), u(START_2 + _word(y)), START_2)
+    return np.float32(word) * _UNIT
+
+
+@kernel(forceinline=True)
+def number_of_3(x, y, z):
+    """The same of three."""
+    u = np.uint32
+    a, b, c = u(_START_3 + _word(x)), u(_START_3 + _word(y)), u(_START_3 + _word(z))
+    return np.float32(hash_final(a, b, c)) * _UNIT
+
+
+@kernel(forceinline=True)
+def number_of_4(x, y, z, w):
+    """The same of four."""
+    u = np.uint32
+    a, b, c = u(_START_4 + _word(x)), u(_START_4 + _word(y)), u(_START_4 + _word(z))
+    a, b, c = _mixed(a, b, c)
+    return np.float32(hash_final(u(a + _word(w)), b, c)) * _UNIT
 
 
 @kernel(forceinline=True)
@@ -96,7 +127,7 @@ def _corner_2(i, j, x, y):
 @kernel(forceinline=True)
 def _corner_3(i, j, k, x, y, z):
     u = np.uint32
-    h = u(hash_final(u(START_3 + i), u(START_3 + j), u(START_3 + k)) & u(15))
+    h = u(hash_final(u(_START_3 + i), u(_START_3 + j), u(_START_3 + k)) & u(15))
     a = x if h < u(8) else y
     other = x if (h == u(12)) | (h == u(14)) else z
     b = y if h < u(4) else other
@@ -106,7 +137,7 @@ def _corner_3(i, j, k, x, y, z):
 @kernel(forceinline=True)
 def _corner_4(i, j, k, m, x, y, z, w):
     u = np.uint32
-    a, b, c = hash_mixed(u(START_4 + i), u(START_4 + j), u(START_4 + k))
+    a, b, c = _mixed(u(_START_4 + i), u(_START_4 + j), u(_START_4 + k))
     h = u(hash_final(u(a + m), b, c) & u(31))
     p = x if h < u(24) else y
     q = y if h < u(16) else z

@@ -26,9 +26,11 @@ _LEAST_ACROSS = np.float32(0.0001)  # squared way between two points that have a
 
 
 class Look(NamedTuple):
-    """How n points look at their cells, float32 (n,) each; metric: of METRICS; far: scratch."""
+    """How n points look at their cells, float32 (n,) each; metric: of METRICS; far: scratch;
+    before: as of cell_numbers."""
 
     metric: int
+    before: tuple
     randomness: np.ndarray
     exponent: np.ndarray
     smoothness: np.ndarray
@@ -90,16 +92,17 @@ def _offset(q, d, side):
 
 
 @kernel(forceinline=True)
-def _way(p, n, offset, randomness):
+def _way(p, n, offset, randomness, before):
     """From point n to the point of the cell that is so far off its own."""
     cell, local = _place(p, n)
-    return _less(_added(offset, cell_point(len(p), _added(cell, offset), randomness)), local)
+    point = cell_point(len(p), _added(cell, offset), randomness, before)
+    return _less(_added(offset, point), local)
 
 
 @kernel(forceinline=True)
 def _fill_by(p, metric, offset, look):
     for n in range(len(look.far)):
-        way = _way(p, n, offset, look.randomness[n])
+        way = _way(p, n, offset, look.randomness[n], look.before)
         look.far[n] = _length(way, metric, look.exponent[n])
 
 
@@ -145,8 +148,8 @@ def fill_points(p, look, rank, color, position):
     for n in range(len(rank)):
         cell, _ = _place(p, n)
         own = _added(cell, _offset(np.int64(rank[n]), d, 3))
-        r, g, b, _ = cell_numbers(d, own)
-        x, y, z, w = _added(own, cell_point(d, own, look.randomness[n]))
+        r, g, b, _ = cell_numbers(d, own, look.before)
+        x, y, z, w = _added(own, cell_point(d, own, look.randomness[n], look.before))
         color[0][n], color[1][n], color[2][n] = r, g, b
         position[0][n], position[1][n], position[2][n], position[3][n] = x, y, z, w
 
@@ -178,10 +181,10 @@ def smooth_points(p, look, distance, color, position):
             less = less / (_ONE + _THREE * smoothness)
             cell, _ = _place(p, n)
             own = _added(cell, offset)
-            r, g, b, _ = cell_numbers(d, own)
+            r, g, b, _ = cell_numbers(d, own, look.before)
             red[n], green[n] = _mix(red[n], r, h) - less, _mix(green[n], g, h) - less
             blue[n] = _mix(blue[n], b, h) - less
-            x, y, z, w = _added(own, cell_point(d, own, look.randomness[n]))
+            x, y, z, w = _added(own, cell_point(d, own, look.randomness[n], look.before))
             px[n], py[n] = _mix(px[n], x, h) - less, _mix(py[n], y, h) - less
             pz[n], pw[n] = _mix(pz[n], z, h) - less, _mix(pw[n], w, h) - less
 
@@ -197,7 +200,7 @@ def _border_of_line(cell, local, randomness):
 
 
 @kernel
-def border_distances(p, randomness, nearest, distance):
+def border_distances(p, randomness, before, nearest, distance):
     """Write the distance to the nearest border between two cells. nearest: five of them, scratch"""
     d, (x, y, z, w, least) = len(p), nearest
     if d == 1:
@@ -210,7 +213,7 @@ def border_distances(p, randomness, nearest, distance):
     for q in range(3**d):
         offset = _offset(q, d, 3)
         for n in range(len(distance)):
-            way = _way(p, n, offset, randomness[n])
+            way = _way(p, n, offset, randomness[n], before)
             squared = _dot(way, way)
             closer = squared < least[n]
             least[n] = squared if closer else least[n]
@@ -219,7 +222,7 @@ def border_distances(p, randomness, nearest, distance):
     for q in range(3**d):
         offset = _offset(q, d, 3)
         for n in range(len(distance)):
-            way = _way(p, n, offset, randomness[n])
+            way = _way(p, n, offset, randomness[n], before)
             own = x[n], y[n], z[n], w[n]
             across = _less(way, own)
             size = _dot(across, across)
@@ -228,7 +231,7 @@ def border_distances(p, randomness, nearest, distance):
 
 
 @kernel
-def point_radii(p, randomness, radius):
+def point_radii(p, randomness, before, radius):
     """Write half the way from points of cells to the nearest of another cell than theirs."""
     d = len(p)
     for n in range(len(radius)):
@@ -237,5 +240,5 @@ def point_radii(p, randomness, radius):
         offset = _offset(q, d, 3)
         if _dot(offset, offset) > _ZERO:
             for n in range(len(radius)):
-                way = _way(p, n, offset, randomness[n])
+                way = _way(p, n, offset, randomness[n], before)
                 radius[n] = min(radius[n], _HALF * np.sqrt(_dot(way, way)))

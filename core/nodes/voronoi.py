@@ -29,9 +29,11 @@ def _kernels():
 class _Cells:
     """One octave's look-ups, of p, float32 (d, n); numbers of the points are float32 (n,)."""
 
-    def __init__(self, metric, randomness, exponent, smoothness):
+    def __init__(self, metric, randomness, exponent, smoothness, before=False):
+        """before: whether cells are those of before Blender 5"""
         self.metric, self.randomness = metric, randomness
         self.exponent, self.smoothness = exponent, smoothness
+        self.before = (0,) if before else ()
 
     def nearest(self, p, second=False):
         """(distance, colour, position) of the nearest point, or of the second nearest."""
@@ -50,22 +52,24 @@ class _Cells:
     def edge(self, p):
         """Distance to the nearest border between two cells."""
         (distance,) = _rows(1, p)
-        _kernels().border_distances(_taken(p), self.randomness, _rows(5, p), distance)
+        own = self.randomness, self.before
+        _kernels().border_distances(_taken(p), *own, _rows(5, p), distance)
         return distance
 
     def radius(self, p):
         """Half the way from the nearest point to the point nearest to that."""
-        plain = _Cells("EUCLIDEAN", self.randomness, self.exponent, self.smoothness)
+        own = self.randomness, self.exponent, self.smoothness, self.before
+        plain = _Cells("EUCLIDEAN", *own)
         _, _, point = plain.nearest(p)
         (radius,) = _rows(1, p)
-        _kernels().point_radii(_taken(point), self.randomness, radius)
+        _kernels().point_radii(_taken(point), self.randomness, self.before, radius)
         return radius
 
     def _look(self, p):
         kernels = _kernels()
         metric = kernels.METRICS[self.metric if len(p) > 1 else "EUCLIDEAN"]
         numbers = self.randomness, self.exponent, self.smoothness
-        return kernels.Look(metric, *numbers, *_rows(1, p))
+        return kernels.Look(metric, self.before, *numbers, *_rows(1, p))
 
 
 def _taken(p) -> tuple[np.ndarray, ...]:
@@ -151,6 +155,7 @@ def voronoi_texture(context, settings, inputs):
         np.clip(number("Randomness"), 0.0, 1.0),
         number("Exponent", 1.0),
         smoothness,
+        settings.get("before", False),
     )
     feature, normalize = settings["feature"], settings["normalize"]
     if feature == "N_SPHERE_RADIUS":

@@ -213,10 +213,10 @@ class ProgramBuilder:
             return HANDLERS[kind](self, node, groups)
         if kind not in SETTINGS:
             return None
-        if kind == "ShaderNodeTexVoronoi" and bpy.app.version < (5, 0):
-            self.reader.warn(node, "cells lie as in Cycles of Blender 5, not of this version")
         settings = {name: getattr(node, name) for name in SETTINGS[kind] if hasattr(node, name)}
-        if kind == "ShaderNodeTexMagic":  # as Cycles of this version
+        if kind == "ShaderNodeTexVoronoi":  # as Cycles of this version
+            settings["before"] = bpy.app.version < (5, 0)
+        if kind == "ShaderNodeTexMagic":
             settings["scaled_first"] = bpy.app.version >= (5, 0)
         if kind not in PURE:
             settings["outputs"] = set()

@@ -66,6 +66,43 @@ def _place(cell, randomness):
     return np.array(cell) + own * randomness
 
 
+def _before(cell, turns):
+    """Jenkins' numbers of a cell, as Blender 4.5 took them: of these orders of its axes in four
+    dimensions, else with 1 and 2 after them."""
+    own = [np.float32([c]) for c in cell]
+    if len(own) == 4:
+        orders = [[own["xyzw".index(axis)] for axis in turn] for turn in turns]
+    else:
+        orders = [own, *([*own, np.float32([k])] for k in (1.0, 2.0))]
+    return np.array([hash_numbers(*order)[0] for order in orders])
+
+
+@pytest.mark.parametrize("dimensions", [2, 3, 4])
+def test_cells_of_before_blender_5(dimensions, rng):
+    """Their points and colours; on the line nothing has changed."""
+    p = rng.uniform(-9.0, 9.0, (dimensions, N)).astype(np.float32)
+    one = np.ones(N, np.float32)
+    distance, color, place = _Cells("EUCLIDEAN", one, one, one, True).nearest(p)
+    for n in range(N):
+        cells = list(_cells_about(p[:, n], 1))
+        points = [
+            cell + _before(cell, ("xyzw", "wxyz", "zwxy", "yzwx"))[:dimensions] for cell in cells
+        ]
+        ways = [np.linalg.norm(point - p[:, n]) for point in points]
+        k = int(np.argmin(ways))
+        np.testing.assert_allclose(distance[n], ways[k], atol=ROUNDING)
+        np.testing.assert_allclose(place[:, n], points[k], atol=ROUNDING)
+        expected = _before(cells[k], ("xyzw", "zxwy", "wzyx"))
+        np.testing.assert_allclose(color[n], expected, atol=1e-6)
+
+
+def test_the_line_is_the_same_in_all_versions(rng):
+    p, one = rng.uniform(-9.0, 9.0, (1, N)).astype(np.float32), np.ones(N, np.float32)
+    found, other = (_Cells("EUCLIDEAN", one, one, one, k).nearest(p) for k in (False, True))
+    for a, b in zip(found, other, strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
 def _cells_about(p, reach):
     """x runs fastest."""
     first = [int(c) for c in np.floor(p)]

@@ -29,7 +29,6 @@ FORESEEN = (
     "grey shadow",
     "without area, 0 with",
     "a world has no UV map",
-    "cells lie as in Cycles",
 )
 
 
