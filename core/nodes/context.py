@@ -262,9 +262,8 @@ class ShadeContext:
             return self
         other, side = self.take(slice(None)), column(1.0 - 2.0 * self.backfacing)
         other._shape, other._faces, other.now = self.rest.mesh, self.triangle, self
-        weights = np.column_stack([1.0 - self.barycentric.sum(axis=1), self.barycentric])[
-            :, :, None
-        ]
+        u, v = self.barycentric.T
+        weights = np.stack([1.0 - u - v, u, v], -1)[:, :, None]
         a, b, c = other.corners.transpose(1, 0, 2)
         other.position = (weights * other.corners).sum(axis=1)
         normals = other._shape.corner_normals[self.triangle]

@@ -156,7 +156,9 @@ def _surface_of(material, users, warnings, images):
         else:
             reader.warn(output, "nothing is linked to Surface: black, as in Cycles")
     row, program = _finished(shaders.parts, builder, reader, _settings_of(material))
-    return row, program, builder.requests, _moving(displacement, builder)
+    moving = _moving(displacement, builder)
+    requests = () if program is None and moving is None else builder.requests
+    return row, program, requests, moving
 
 
 class _Settings(NamedTuple):
