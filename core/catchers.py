@@ -3,8 +3,9 @@
 A catcher shows the world behind it, times s: of the light that it reflects, the part that arrives
 where the other objects stand (Cycles' Shadow Catcher pass); the picture takes the mean of s over
 its colours, as Cycles' does. In a transparent film it is black with the opacity 1 - s. What it is
-made of says only how light from different sides counts. A holdout is black, with the opacity 0 in
-any film; but beside a catcher, in an opaque film, all is opaque, as in Cycles.
+made of says only how light from different sides counts. A holdout is black, with the opacity of
+what its ray has gone through, in any film; but beside a catcher, in an opaque film, all is opaque,
+as in Cycles.
 """
 
 from __future__ import annotations
@@ -90,11 +91,12 @@ def show_caught(
         for name in ("combined", "diffuse_direct", "glossy_direct", "emission"):
             flat = layers[name].reshape(-1, layers[name].shape[2])
             flat[place[rows]] = 0.0
+    panes = np.maximum(opacity_of(points.through), 0.0)  # what they have taken of the light
+    layers["combined"].reshape(-1, 4)[place[hidden], 3] = panes[hidden]
     share = arriving((sums.diffuse + sums.glossy)[caught], sums.unoccluded[caught])
     behind = world.radiance(-points.wo[caught]) * points.through[caught] * scene.exposure
     behind = behind * np.float32(scene.environment.visible_to_camera)
-    opaque = np.maximum(opacity_of(points.through[caught]), 0.0)
-    _write(scene, layers, place[caught], share, behind, np.ones((len(caught), 1)), opaque)
+    _write(scene, layers, place[caught], share, behind, np.ones((len(caught), 1)), panes[caught])
     if not scene.transparent_film and has_role(scene, SHADOW_CATCHER):
         for rows in (caught, hidden):
             layers["combined"].reshape(-1, 4)[place[rows], 3] = 1.0

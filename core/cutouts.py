@@ -16,8 +16,9 @@ import numpy as np
 from .nodes import Evaluation, ShadeContext
 from .poses import points_at_rest, posed_points
 from .program import Program
+from .round_points import is_round
 from .rows import any_in_row, row_means
-from .scene import BLACK, ROUND, Scene
+from .scene import BLACK, Scene
 from .shading import ShadingPoints, points_within
 
 # Above, a surface that is drawn all the same is not made brighter: there is nothing to be seen.
@@ -88,18 +89,11 @@ def _passing_colors(
             evaluation = Evaluation(program, context)
             color = passing_color(program, evaluation)
             share = any_in_row(color) if _is_pane(program) else going_share(program, evaluation)
-            backs = on_elements(scene, points.triangle[which]) & (context.backfacing != 0.0)
+            # Of points and strands Cycles' rays meet the front alone: what goes in goes out behind.
+            backs = is_round(scene, points.triangle[which]) & (context.backfacing != 0.0)
             colors[which] = np.where(backs[:, None], np.float32(1.0), color)
             going[which] = np.where(backs, np.float32(1.0), share)
     return colors, going
-
-
-def on_elements(scene: Scene, triangle: np.ndarray) -> np.ndarray:
-    """bool (n,): whether triangles are of points or strands, of which Cycles' rays meet the front
-    alone: what goes in goes out at the back."""
-    if scene.terminator_offset is None:
-        return np.zeros(len(triangle), np.bool_)
-    return scene.terminator_offset[scene.mesh.object_index[triangle]] >= ROUND
 
 
 def _is_pane(program: Program) -> bool:
@@ -208,7 +202,7 @@ def points_through(
         points = posed_points(scene.pose, scene.mesh, hit, u, v, onward, offsets)
         points = points_within(points._replace(pixel=rays[points.pixel]), origins, reach)
         points.passed[:] = n
-    points.passed[:] = -1
+    points.passed[:] = ~points.passed
     ended.append(points)
     found = ShadingPoints(*map(np.concatenate, zip(*ended, strict=True)))
     found = found.at(np.argsort(found.pixel, kind="stable"))

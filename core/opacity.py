@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from .cutouts import on_elements, passing_color, share_of
+from .cutouts import passing_color, share_of
 from .embree_filter import Opacity
 from .nodes import Evaluation, ShadeContext
 from .nodes.values import normalized
 from .program import Program
 from .program_ops import ops_behind
+from .round_points import is_round
 from .scene import Scene
 
 # Grids are as fine as this at the most; more corners than this are not made for one material: some
@@ -92,7 +93,7 @@ def _shared(scene: Scene, program: Program, which) -> tuple[np.ndarray, np.ndarr
     surface = scene.shaders.surface
     rows = surface.row[which]
     columns = [surface.mirrored[scene.mesh.object_index[which]][:, None], (rows < 0)[:, None]]
-    columns += [on_elements(scene, which)[:, None]]
+    columns += [is_round(scene, which)[:, None]]
     columns += [table[rows].reshape(len(rows), -1) for table in surface.tables.values()]
     keys = np.concatenate([np.asarray(c, np.float32) for c in columns], axis=1)
     _, first, again = np.unique(keys, axis=0, return_index=True, return_inverse=True)
@@ -153,6 +154,6 @@ def _grids(scene: Scene, program: Program, triangles, side: int, colored: bool) 
         passing = passing_color(program, Evaluation(program, context))
         passing = np.minimum(passing, 1.0) if colored else share_of(passing)[:, None]
         # A ray goes through a point or strand by two faces, by which it passes once in Cycles.
-        passing = np.where(on_elements(scene, some)[:, None], np.sqrt(passing), passing)
+        passing = np.where(is_round(scene, some)[:, None], np.sqrt(passing), passing)
         out[first : first + step] = np.rint(passing * 255.0)
     return out.reshape(len(triangles), len(places), -1).transpose(0, 2, 1)

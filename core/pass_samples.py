@@ -9,6 +9,7 @@ import numpy as np
 from .ambient_occlusion import TileOcclusion
 from .block_loop import PASSES_AT_ONCE
 from .catchers import CaughtPasses, has_role, plays
+from .cutouts import opacity_of
 from .guide import new_guides
 from .incremental import PixelSums, new_sums
 from .light_groups import TileGroups
@@ -72,8 +73,9 @@ class PassSampler:
         Returns (function, arguments) for each kind of surface: to be called, adds it to the sums.
         """
         caught = plays(self._job.scene, points, SHADOW_CATCHER)
-        plain = ~(caught | plays(self._job.scene, points, HOLDOUT))
-        found = []
+        hidden = plays(self._job.scene, points, HOLDOUT)
+        plain, found = ~(caught | hidden), []
+        np.add.at(self._state.opaque, points.pixel[hidden], opacity_of(points.through[hidden]))
         if plain.any():
             layers, own = self._layers_of(points, plain), number[plain]
             places = frame_places(self._around, layers[0].seen.points.pixel)

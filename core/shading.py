@@ -24,8 +24,8 @@ class ShadingPoints(NamedTuple):
         (n,), the cosine below which a shadow ray gets part of it, 0 = none (terminator.py)
     through: float32 (n, 3), factor of what the camera sees of the point: colour of the cut-outs
         that its ray has gone through, over the probability of that (cutouts.py); 1 of none
-    passed: int32 (n,), how many surfaces its ray has gone through; -1: as many as it may, of what
-        it meets then it shows what glows alone
+    passed: int32 (n,), how many surfaces its ray has gone through; below 0: as many as it may, ~
+        of their number, and of what it meets then it shows what glows alone
     """
 
     pixel: np.ndarray

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .random_walk import walk
+from .round_points import circles, is_round
 from .seen_points import ClosureLayer, SeenPoints
 from .surface import lambert_lobes
 from .tile_job import Job
@@ -31,11 +32,25 @@ def walked_layers(
         if layer.media is None:
             out.append(layer)
             continue
+        layer = _without_strands(job, layer)
         for k in range(_WALKS):
             if job.stop.is_set():  # what is cut short is thrown away
                 break
             out.append(_walked(job, layer, places, number * _WALKS + k))
     return [layer for layer in out if layer is layers[0] or len(layer.of)]
+
+
+def _without_strands(job: Job, layer: ClosureLayer) -> ClosureLayer:
+    """The same but for points on strands: Cycles' walks never meet those, so none has an end."""
+    points, mesh = layer.seen.points, job.scene.mesh
+    on_tube = is_round(job.scene, points.triangle)
+    rows = np.flatnonzero(on_tube)
+    if not len(rows):
+        return layer
+    round_ = circles(mesh, points.triangle[rows], points.position[rows])
+    on_tube[rows] = round_.axis.any(axis=1)
+    kept = np.flatnonzero(~on_tube)
+    return ClosureLayer(layer.seen.at(kept), layer.of[kept], layer.media.at(kept))
 
 
 def _walked(job: Job, layer: ClosureLayer, places, number) -> ClosureLayer:

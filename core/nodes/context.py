@@ -8,9 +8,9 @@ import numpy as np
 
 from ..panorama_places import space_axes
 from ..program import SurfaceData
-from ..rows import any_in_row, rows_of
+from ..rows import rows_of
 from ..scene import Camera, TriangleMesh
-from .places import barycentric_of, in_shape, kernels
+from .places import barycentric_of, in_shape, kernels, tangents_of
 from .values import as_vector, column, dot, length, normalized, vector
 
 
@@ -26,9 +26,10 @@ class ShadeContext:
     rest: program.AtRest, of what was displaced; None: nothing was
     now: of points at_rest: where they are; None: they are there
     unmoved: of points that are moved for a bump: where they were; None: they are there
+    passed: of ShadingPoints; None: nobody's ray has gone through anything
     """
 
-    near = rest = now = unmoved = None
+    near = rest = now = unmoved = passed = None
 
     def __init__(
         self,
@@ -59,6 +60,13 @@ class ShadeContext:
         """Whether the camera asks."""
         return not self.shadow
 
+    @property
+    def transparent_depth(self) -> np.ndarray | np.float32:
+        """float32 (n,), or 0: how many surfaces rays have gone through."""
+        if self.passed is None:
+            return np.float32(0.0)
+        return np.where(self.passed < 0, ~self.passed, self.passed).astype(np.float32)
+
     @classmethod
     def of_points(cls, scene, points, shadow=False, there=None) -> ShadeContext:
         """Of ShadingPoints of a Scene with shaders.
@@ -81,7 +89,7 @@ class ShadeContext:
             shadow,
             shape=(shape, faces),
         )
-        found.rest = shaders.rest
+        found.rest, found.passed = shaders.rest, points.passed
         if shaders.near is not None and there is not None:
             found.near = shaders.near.points(there)
         return found
@@ -105,6 +113,7 @@ class ShadeContext:
             (self._shape, self._faces[which]),
         )
         taken.near, taken.rest = None if self.near is None else self.near.at(which), self.rest
+        taken.passed = None if self.passed is None else self.passed[which]
         return taken
 
     @cached_property
@@ -245,16 +254,8 @@ class ShadeContext:
         return (beyond * slant).astype(np.float32)
 
     def tangents(self, size) -> tuple[np.ndarray, np.ndarray]:
-        """Two vectors in the plane of the face, at right angles, of a size (n,): the first one is
-        (1, 1, 1) x the normal, or (-1, 1, 1) x it. Bumps ask for heights there, as Cycles' do."""
-        n = self.geometric_normal
-        x, y, z = n.T
-        t = np.stack([z - y, x - z, y - x], -1)
-        even = ~any_in_row(t)
-        t[even] = np.stack([z - y, x + z, -y - x], -1)[even]
-        t = normalized(t)
-        scale = np.asarray(size, np.float32)[:, None]
-        return (t * scale).astype(np.float32), (np.cross(n, t) * scale).astype(np.float32)
+        """See places.tangents_of, of their faces."""
+        return tangents_of(self.geometric_normal, size)
 
     def at_rest(self) -> ShadeContext:
         """The same points where they were before they were displaced, with their normals."""

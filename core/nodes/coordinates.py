@@ -224,8 +224,9 @@ def camera_data(context, settings, inputs):
 def light_path(context, settings, inputs):
     """Camera rays, shadow rays, and what asks for light that reaches other surfaces."""
     camera, shadow = np.float32(context.camera_ray), np.float32(context.shadow)
-    values = {"Is Camera Ray": camera, "Is Shadow Ray": shadow, "Ray Length": None}
+    values = {"Is Camera Ray": camera, "Is Shadow Ray": shadow}
     values["Ray Length"] = context.ray_length
+    values["Transparent Depth"] = context.transparent_depth
     return {name: values.get(name, _ZERO) for name in settings["outputs"]}
 
 

@@ -6,6 +6,7 @@ and a warning names the object, the material and the node.
 
 from __future__ import annotations
 
+import bpy
 import numpy as np
 
 from ...core.program import Closure, Value
@@ -191,6 +192,7 @@ class ShaderReader(HairShaders):
             base, tint = color(node, "Base Color", groups), color(node, "Edge Tint", groups)
         else:
             inputs = {name: color(node, name, groups) for name in ("IOR", "Extinction")}
+            inputs["settings"] = {"approximated": bpy.app.version < (5, 0)}  # as Cycles
             names = ("Base Color", "Edge Tint")
             base, tint = (self._builder.run("conductor", name, **inputs) for name in names)
         params = {

@@ -10,10 +10,10 @@ from iwis.core.lobes_at import lobes_at
 from iwis.core.nodes.hair_info import hair_pigment
 from iwis.core.program import HAIR_BELL_REFLECTION, HAIR_BELL_TRANSMISSION, HAIR_CHIANG
 from iwis.core.round_points import Circles, circles, normals_of_strands
-from iwis.core.scene import TriangleMesh
 from iwis.core.sheen import diffuse_colors
 from support.brdf_points import evaluated, sphere_quadrature
 from support.scenes import constant_world, diffuse
+from support.strands import cone_mesh
 from support.warps import PointProduct, light_of
 
 _SEEN = [(0.0, 0.1, 0.995), (0.6, 0.3, 0.74), (0.1, 0.8, 0.59), (-0.5, -0.7, 0.5)]
@@ -161,30 +161,10 @@ def test_dark_hair_has_its_samples_in_front():
     assert blond.glossy_color[0, 0] > 0.8 and black.glossy_color[0, 0] == pytest.approx(0.1)
 
 
-def _cone(sides=8, low=0.3, high=0.2, length=2.0):
-    """A cone of triangles along z, with normals across it as strands' tubes have them."""
-    angle = np.arange(sides) * 2.0 * np.pi / sides
-    ring = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], -1)
-    top = ring * high + (0.0, 0.0, length)
-    following = (np.arange(sides) + 1) % sides
-    first = np.stack([np.arange(sides), following, following + sides], -1)
-    second = np.stack([np.arange(sides), following + sides, np.arange(sides) + sides], -1)
-    triangles = np.concatenate([first, second]).astype(np.int32)
-    normals = np.concatenate([ring, ring]).astype(np.float32)
-    n = len(triangles)
-    return TriangleMesh(
-        vertices=np.concatenate([ring * low, top]).astype(np.float32),
-        triangles=triangles,
-        corner_normals=normals[triangles],
-        material_index=np.zeros(n, np.int32),
-        object_index=np.zeros(n, np.int32),
-    )
-
-
 @pytest.mark.parametrize("part", [0.0, 0.25, 1.0])
 def test_circles_of_a_cone(part):
     """Its radius where the point is, the axis, and how it narrows; rays start outside of it."""
-    mesh = _cone()
+    mesh = cone_mesh()
     corners = mesh.vertices[mesh.triangles]
     low, high = corners[..., 2] == 0.0, corners[..., 2] > 0.0
     weights = np.where(low, (1.0 - part) / low.sum(1, keepdims=True), 0.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from iwis.core.nodes.metals import conductor, reflectance
+from iwis.core.nodes.metals import approximated, conductor, reflectance
 
 COSINES = np.linspace(0.001, 1.0, 2000)[:, None]
 METALS = {
@@ -14,8 +14,8 @@ METALS = {
 }
 
 
-def _nearest(n, k):
-    return conductor(None, {}, {"IOR": np.float32(n), "Extinction": np.float32(k)})
+def _nearest(n, k, **settings):
+    return conductor(None, settings, {"IOR": np.float32(n), "Extinction": np.float32(k)})
 
 
 def _f82(found):
@@ -25,13 +25,15 @@ def _f82(found):
     return base + (1.0 - base) * (1.0 - COSINES) ** 5 - edge * COSINES * (1.0 - COSINES) ** 6
 
 
+@pytest.mark.parametrize("curve", [reflectance, approximated])
 @pytest.mark.parametrize("metal", METALS)
-def test_light_of_all_directions_is_the_metals(metal):
+def test_light_of_all_directions_is_the_metals(metal, curve):
     """Weighted by the cosine, as a matte surround lights: within .1 %; no angle more than 5 % off,
     and none of the inner ones, below 80 degrees, more than 2."""
     n, k = METALS[metal]
-    error = _f82(_nearest(n, k)) - reflectance(COSINES, np.array(n), np.array(k))
-    whole = (COSINES * reflectance(COSINES, np.array(n), np.array(k))).mean(0)
+    found = _nearest(n, k, approximated=curve is approximated)
+    error = _f82(found) - curve(COSINES, np.array(n), np.array(k))
+    whole = (COSINES * curve(COSINES, np.array(n), np.array(k))).mean(0)
     assert np.abs((COSINES * error).mean(0) / whole).max() < 1e-3
     assert np.abs(error).max() < 0.05
     assert np.abs(error[COSINES[:, 0] > 0.17]).max() < 0.02
@@ -43,6 +45,13 @@ def test_reflectance_along_the_normal():
     expected = ((n - 1.0) ** 2 + k**2) / ((n + 1.0) ** 2 + k**2)
     np.testing.assert_allclose(reflectance(1.0, n, k), expected, rtol=1e-12)
     np.testing.assert_allclose(reflectance(1e-6, n, k), 1.0, atol=1e-4)
+
+
+def test_the_approximation_is_right_along_the_normal_and_else_brighter():
+    n, k = np.array([1.5, 3.0]), np.array([0.1, 2.0])
+    np.testing.assert_allclose(approximated(1.0, n, k), reflectance(1.0, n, k), rtol=1e-12)
+    more = approximated(COSINES[:-1], n, k) - reflectance(COSINES[:-1], n, k)
+    assert more.min() > 0.0 and more[:, 0].max() > 0.09 > 0.02 > more[:, 1].max()
 
 
 def test_points_are_fitted_one_by_one():

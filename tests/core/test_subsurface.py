@@ -16,6 +16,7 @@ from iwis.core.scene import (
     DIFFUSE,
     GGX,
     PRINCIPLED,
+    ROUND,
     SHADOW_RAYS,
     EnvironmentMap,
 )
@@ -24,6 +25,7 @@ from iwis.core.shading import shading_points
 from iwis.core.subsurface import LEGACY, SKIN, VAN_DE_HULST, Media, medium_of, walked
 from support import scenes
 from support.programs import with_programs
+from support.strands import cone_mesh
 
 WALKS = 40_000
 _ONE = np.ones(3, np.float32)
@@ -227,6 +229,22 @@ def test_light_comes_through_to_the_dark_side():
     matte = _picture(dataclasses.replace(_program(), closures=_lambert()), world)["combined"]
     below = slice(1, 3), slice(6, 10)
     assert walks[below][..., :3].mean() > 1.1 * matte[below][..., :3].mean() > 0.0
+
+
+@pytest.mark.parametrize("thing", ["strand", "point"])
+def test_walks_of_strands_find_no_end(thing):
+    """As in Cycles; a point is a ball of triangles to them."""
+    camera = scenes.camera_at((0.0, -6.0, 1.0), (0.0, 0.0, 1.0), half=0.03)
+    parts, materials = [scenes.sphere((0.0, 0.0, 1.0), smooth=True)], [scenes.diffuse()]
+    scene = scenes.make_scene(parts, materials, scenes.constant_world(), camera)
+    if thing == "strand":
+        scene = dataclasses.replace(scene, mesh=cone_mesh())
+    scene = dataclasses.replace(scene, terminator_offset=np.float32([ROUND]))
+    under, half = (with_programs(scene, _program(share=share)) for share in (1.0, 0.5))
+    settings = {"max_samples": 64, "pixel_filter": "BOX"}
+    whole, part = (scenes.make_picture(s, **settings)[0]["combined"] for s in (under, half))
+    assert (whole[..., :3].max() > 0.1) == (thing == "point")
+    assert part[..., :3].min() > 0.05
 
 
 def _lambert():

@@ -82,3 +82,60 @@ for _name, _make in _ADDED.items():
     _case(f"Transparent added to {_name}", _make)
 _case("Transparent added to diffuse, transparent film", _ADDED["diffuse"], film=True)
 _case("Transparent added to image, transparent film", _ADDED["image"], film=True)
+
+
+def _hole_behind(film):
+    """A ball that is a hole, half of it behind a pane."""
+    seen_through = _before_and_behind(_PANES["a pane"], film, 100.0)
+
+    def build(scene, tree):
+        seen_through(scene, tree)
+        bpy.data.objects["Sphere"].is_holdout = True
+
+    return build
+
+
+for _film, _blurred in ((True, True), (False, True), (True, False)):
+    _where = f"{', transparent film' if _film else ''}{'' if _blurred else ', pixel centers'}"
+    _own = {"lit": True, "blurred": _blurred, "with_alpha": True}
+    CASES.append(Case(f"Holdout behind a pane{_where}", _hole_behind(_film), **_own))
+
+
+def _by_depth(material):
+    """Of surfaces of material(tree, depth): how many others rays have gone through."""
+
+    def made(tree):
+        return material(tree, tree.made("ShaderNodeLightPath", "Transparent Depth"))
+
+    return made
+
+
+def _glow_by(tree, depth):
+    inputs = {"Value": depth, "From Max": 3.0, "To Max": 0.9}
+    strength = tree.made("ShaderNodeMapRange", 0, inputs)
+    return tree.made("ShaderNodeEmission", 0, {"Color": _TINT, "Strength": strength})
+
+
+def _clear_by(tree, depth):
+    """Nothing of it is lit: shadow rays are told another number."""
+    return _both("Mix", depth, _clear, _glow)(tree)
+
+
+def _before_the_scene(card, own):
+    """Cards of one material before the scene, of another."""
+
+    def build(scene, tree):
+        _before_and_behind(card, False, 100.0)(scene, tree)
+        tree.surface(own(tree))
+
+    return build
+
+
+for _name, _card, _own in (
+    ("glow", _clear, _by_depth(_glow_by)),
+    ("glow behind half a pane", _PANES["half a pane"], _by_depth(_glow_by)),
+    ("a second pane is not clear", _by_depth(_clear_by), lambda tree: _glow(tree, 0.1)),
+):
+    _build = _before_the_scene(_card, _own)
+    _options = {"lit": True, "blurred": True}
+    CASES.append(Case(f"Light Path Transparent Depth: {_name}", _build, **_options))

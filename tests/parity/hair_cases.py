@@ -56,6 +56,17 @@ def _translucent(tree):
     tree.surface(tree.made("ShaderNodeBsdfTranslucent", 0, {"Color": (0.8, 0.5, 0.2)}))
 
 
+def _under(weight):
+    """Light from under a surface, which nothing but meshes gives in Cycles."""
+
+    def material(tree):
+        inputs = {"Subsurface Weight": weight, "Subsurface Scale": 0.05}
+        inputs["Base Color"] = (0.8, 0.5, 0.2)
+        tree.surface(tree.made("ShaderNodeBsdfPrincipled", 0, inputs))
+
+    return material
+
+
 def _strands(name, material, count=80, keys=6, size=(0.05, 0.015), shape="THICK", lamp=False):
     def build(scene, tree):
         material(tree)
@@ -70,8 +81,8 @@ def _strands(name, material, count=80, keys=6, size=(0.05, 0.015), shape="THICK"
     _case(f"Hair, {name}", build)
 
 
-def _translucent_points(scene, tree):
-    _translucent(tree)
+def _points(scene, tree, material):
+    material(tree)
     on_a_matte_floor()
     places = np.random.default_rng(3).uniform((-2, -1, -0.8), (2, 1.5, 0.9), (80, 3))
     add_points(without_solids(scene), np.float32(places), np.full(80, 0.1, np.float32))
@@ -110,5 +121,8 @@ _strands("Hair BSDF, reflection, offset", _bells("Reflection", Offset=0.3, Rough
 _strands("Hair BSDF, transmission", _bells("Transmission", RoughnessU=0.3))
 _strands("Hair BSDF, transmission, offset", _bells("Transmission", Offset=-0.2, RoughnessV=0.3))
 _strands("translucent strands", _translucent)
-_case("Hair, translucent points", _translucent_points)
+_strands("light from under strands", _under(1.0))
+_strands("light from under strands, half", _under(0.5))
+_case("Hair, translucent points", lambda scene, tree: _points(scene, tree, _translucent))
+_case("Hair, light from under points", lambda scene, tree: _points(scene, tree, _under(1.0)))
 _case("Hair, Principled on particles", _particles)

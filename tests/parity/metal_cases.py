@@ -6,6 +6,7 @@ from .closure_cases import lit
 _METALS = {
     "iron": None,
     "gold": ((0.14, 0.37, 1.44), (3.97, 2.5, 1.9)),
+    "a brittle one": ((2.3, 2.66, 2.44), (2.93, 3.07, 1.15)),
     "chromium": ((3.2, 3.1, 2.3), (3.3, 3.3, 3.1)),
 }
 

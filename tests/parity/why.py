@@ -39,6 +39,7 @@ WHY = {
     "Principled, transmission": _STRAIGHT,
     "Points, that let half of the light through": _OVERLAPS,
     "Curves, that let half of the light through": _DARKER,
+    "Hair, light from under points": "walks in Cycles' points miss the sphere that they are in",
     "Points, scaled and turned": _ELLIPSOIDS,
     "Points, scaled unevenly, two instances": _ELLIPSOIDS,
     "Curves, diffuse, radius varies, ribbons": _RIBBONS,

@@ -18,13 +18,13 @@ def build(seed: int):
     dark = "world black" in dice.told
     lamps.lamps(dice, scene, dice.whole(1, 3) if dark else dice.of(0, 0, 1, 2))
     chosen = [materials.material(dice) for _ in range(dice.whole(2, 4))]
-    shapes.add_floor(dice, materials.material(dice, opaque=True))
+    shapes.add_floor(dice, materials.material(dice, materials.OPAQUE))
     for _ in range(dice.whole(1, 4)):
         obj = shapes.add_object(dice, [dice.of(*chosen) for _ in range(dice.of(1, 1, 2))])
     if dice.chance(0.3):
         shapes.add_copies(dice, obj)
     if dice.chance(0.25):
-        elements.add_elements(dice, materials.material(dice, opaque=True))
+        elements.add_elements(dice)
     if dice.chance(0.4):
         views.flags(dice, scene)
     scene.cycles.transparent_max_bounces = 64

@@ -7,15 +7,16 @@ import numpy as np
 from parity.element_cases import add_curves, add_points
 
 from .dice import Dice
+from .materials import POINT, STRAND, material
 
 
-def add_elements(dice: Dice, material) -> None:
-    """A cloud of points, hair curves, or particle hair; material: an opaque one."""
+def add_elements(dice: Dice) -> None:
+    """A cloud of points, hair curves, or particle hair, opaque."""
     # Cut open by the near plane they are hollow here, and not there in Cycles.
     bpy.context.scene.camera.data.clip_start = 0.1
     kind = dice.of(_points, _curves, _hair)
     dice.tell(kind.__name__[1:])
-    kind(dice, material)
+    kind(dice, material(dice, POINT if kind is _points else STRAND))
 
 
 def _points(dice, material):

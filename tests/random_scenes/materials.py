@@ -1,4 +1,4 @@
-"""Random materials: closures, mixtures and sums of them."""
+"""Random materials: mixtures and sums of closures, and displacement."""
 
 from __future__ import annotations
 
@@ -6,25 +6,31 @@ import bpy
 from parity.scene import Tree
 
 from . import values
+from .closures import closure
 from .dice import Dice
 
+CLEAR, OPAQUE, STRAND, POINT = {"clear", "hole"}, {"walked"}, {"strand"}, set()
 
-def material(dice: Dice, opaque=False):
-    """A new material. opaque: nothing passes through it"""
+
+def material(dice: Dice, may=frozenset(CLEAR)):
+    """A new material. may: which closures that not all surfaces have it may have"""
     made = bpy.data.materials.new("M")
     if made.node_tree is None:
         made.use_nodes = True
     tree = Tree(made.node_tree)
-    tree.surface(shader(dice, tree, dice.whole(0, 2), opaque))
+    tree.surface(shader(dice, tree, dice.whole(0, 2), may))
+    if dice.bumps and may & (CLEAR | OPAQUE) and dice.chance(0.2):
+        _displace(dice, tree, made)
     return made
 
 
-def shader(dice: Dice, tree, depth: int, opaque=False):
-    """The output of a tree of shaders."""
+def shader(dice: Dice, tree, depth: int, may):
+    """The output of a tree of shaders. Holes are never added to others: that is nothing real."""
     if depth <= 0:
-        return _closure(dice, tree, opaque)
-    parts = [shader(dice, tree, depth - 1, opaque) for _ in range(2)]
+        return closure(dice, tree, may)
     node = tree.node("ShaderNodeAddShader" if dice.chance(0.25) else "ShaderNodeMixShader")
+    inner = may - {"hole"} if node.bl_idname == "ShaderNodeAddShader" else may
+    parts = [shader(dice, tree, depth - 1, inner) for _ in range(2)]
     dice.tell(node.bl_idname[10:])
     if len(node.inputs) == 3:
         tree.link(values.number(dice, tree), node.inputs[0])
@@ -33,95 +39,20 @@ def shader(dice: Dice, tree, depth: int, opaque=False):
     return node.outputs[0]
 
 
-def _closure(dice, tree, opaque):
-    kinds = [_diffuse, _diffuse, _principled, _principled, _glossy, _metallic, _sheen, _emission]
-    kinds += [_toon] if opaque else [_toon, _transparent, _translucent]
-    kind = dice.of(*kinds)
-    dice.tell(kind.__name__[1:])
-    return kind(dice, tree)
-
-
-def _normal(dice, tree):
-    """Inputs of a turned normal, seldom."""
-    if not dice.chance(0.2) or not dice.bumps:
-        return {}
-    height = values.number(dice, tree, depth=2)
-    bump = {"Height": height, "Strength": dice.between(0.1, 0.7), "Distance": 0.1}
-    return {"Normal": tree.made("ShaderNodeBump", 0, bump, invert=dice.chance(0.3))}
-
-
-def _diffuse(dice, tree):
-    rough = dice.edge(0.0, 1.0) if dice.chance(0.4) else 0.0
-    inputs = {"Color": values.color(dice, tree), "Roughness": rough}
-    return tree.made("ShaderNodeBsdfDiffuse", 0, inputs | _normal(dice, tree))
-
-
-def _principled(dice, tree):
-    inputs = {
-        "Base Color": values.color(dice, tree),
-        "Metallic": values.number(dice, tree) if dice.chance(0.5) else 0.0,
-        "Roughness": values.number(dice, tree, 0.2, 1.0),
-        "IOR": dice.between(1.05, 2.5),
-    }
-    if dice.chance(0.3):
-        inputs |= {"Coat Weight": dice.edge(0.0, 1.0), "Coat Roughness": dice.between(0.1, 0.6)}
-        inputs["Coat Tint"] = dice.color(0.5, 1.0)
-    if dice.chance(0.2):
-        inputs |= {"Sheen Weight": dice.edge(0.0, 1.0), "Sheen Roughness": dice.between(0.1, 1.0)}
-        inputs["Sheen Tint"] = dice.color(0.3, 1.0)
-    if dice.chance(0.2):
-        inputs |= {"Anisotropic": dice.edge(0.0, 0.9), "Anisotropic Rotation": dice.between(0, 1)}
-    if dice.chance(0.3):
-        inputs |= {"Specular IOR Level": dice.edge(0.0, 1.0), "Specular Tint": dice.color()}
-    # Under a coat or sheen it depends on the direction, which lights others otherwise (warned).
-    if dice.chance(0.15) and not {"Coat Weight", "Sheen Weight"} & inputs.keys():
-        inputs |= {"Emission Color": dice.color(), "Emission Strength": dice.between(0.0, 0.5)}
-    distribution = dice.of("GGX", "MULTI_GGX")
-    inputs |= _normal(dice, tree)
-    return tree.made("ShaderNodeBsdfPrincipled", 0, inputs, distribution=distribution)
-
-
-def _glossy(dice, tree):
-    inputs = {
-        "Color": values.color(dice, tree),
-        "Roughness": values.number(dice, tree, 0.2, 1.0),
-        "Anisotropy": dice.edge(-0.6, 0.6) if dice.chance(0.3) else 0.0,
-    }
-    distribution = dice.of("GGX", "MULTI_GGX", "BECKMANN")
-    inputs |= _normal(dice, tree)
-    return tree.made("ShaderNodeBsdfAnisotropic", 0, inputs, distribution=distribution)
-
-
-def _metallic(dice, tree):
-    inputs = {"Base Color": values.color(dice, tree), "Edge Tint": dice.color()}
-    inputs["Roughness"] = values.number(dice, tree, 0.2, 1.0)
-    kinds = {"distribution": dice.of("GGX", "MULTI_GGX", "BECKMANN"), "fresnel_type": "F82"}
-    return tree.made("ShaderNodeBsdfMetallic", 0, inputs, **kinds)
-
-
-def _sheen(dice, tree):
-    inputs = {"Color": values.color(dice, tree), "Roughness": dice.between(0.1, 1.0)}
-    kind = dice.of("MICROFIBER", "ASHIKHMIN")
-    return tree.made("ShaderNodeBsdfSheen", 0, inputs, distribution=kind)
-
-
-def _toon(dice, tree):
-    inputs = {"Color": values.color(dice, tree), "Size": dice.edge(0.0, 1.0)}
-    inputs["Smooth"] = dice.edge(0.0, 0.5)
-    kind = dice.of("DIFFUSE", "GLOSSY")
-    return tree.made("ShaderNodeBsdfToon", 0, inputs | _normal(dice, tree), component=kind)
-
-
-def _emission(dice, tree):
-    inputs = {"Color": values.color(dice, tree, depth=1), "Strength": dice.spread(0.05, 2.0)}
-    return tree.made("ShaderNodeEmission", 0, inputs)
-
-
-def _transparent(dice, tree):
-    color = (1.0, 1.0, 1.0) if dice.chance(0.5) else values.color(dice, tree, 1)
-    return tree.made("ShaderNodeBsdfTransparent", 0, {"Color": color})
-
-
-def _translucent(dice, tree):
-    inputs = {"Color": values.color(dice, tree)}
-    return tree.made("ShaderNodeBsdfTranslucent", 0, inputs | _normal(dice, tree))
+def _displace(dice, tree, made):
+    """Hills as wide as the objects, by each method; the vertices are those that there are."""
+    made.displacement_method = dice.of("BUMP", "DISPLACEMENT", "DISPLACEMENT", "BOTH")
+    dice.tell(f"moved {made.displacement_method.lower()}")
+    place = tree.coordinates(dice.of("Object", "Generated"))
+    noise = {"Vector": place, "Scale": dice.between(0.5, 1.5), "Detail": 0.0}
+    inputs = {"Midlevel": dice.between(0.0, 0.6), "Scale": dice.between(0.1, 0.4)}
+    if dice.chance(0.6):
+        inputs["Height"] = tree.made("ShaderNodeTexNoise", 0, noise)
+        value = tree.made(
+            "ShaderNodeDisplacement", 0, inputs, space=dice.of("OBJECT", "OBJECT", "WORLD")
+        )
+    else:
+        inputs["Vector"] = tree.made("ShaderNodeTexNoise", "Color", noise)
+        space = dice.of("OBJECT", "WORLD")
+        value = tree.made("ShaderNodeVectorDisplacement", 0, inputs, space=space)
+    tree.link(value, tree.output.inputs["Displacement"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from . import nodes
 from .dice import Dice
 
 
@@ -43,13 +44,18 @@ def _factor(dice, tree, depth):
         "ShaderNodeTexChecker": "Fac",
         "ShaderNodeTexGradient": "Fac",
         "ShaderNodeTexBrick": "Fac",
+        "ShaderNodeTexGabor": "Value",
+        "ShaderNodeTexVoronoi": "Distance",
     }
-    if bpy.app.version >= (5, 0):
-        kinds["ShaderNodeTexVoronoi"] = "Distance"
     if depth > 1 and dice.chance(0.2):
         return tree.made("ShaderNodeLayerWeight", dice.of("Fresnel", "Facing"), {"Blend": 0.3})
+    if dice.chance(0.2):
+        return nodes.calculated(dice, tree, number(dice, tree, depth=depth - 1))
+    if dice.chance(0.2):
+        return nodes.of_shape(dice, tree)
     kind = dice.of(*kinds)
-    return _made(dice, tree, kind, kinds[kind] if kind.endswith("Voronoi") else 1)
+    named = kind.endswith(("Voronoi", "Gabor"))
+    return _made(dice, tree, kind, kinds[kind] if named else 1)
 
 
 def _made(dice, tree, kind, output):
@@ -72,9 +78,7 @@ def _made(dice, tree, kind, output):
 
 
 def _texture(dice, tree, depth):
-    names = ["Noise", "Checker", "Magic", "Brick", "Wave"]
-    names += ["Voronoi"] if bpy.app.version >= (5, 0) else []
-    kind = f"ShaderNodeTex{dice.of(*names)}"
+    kind = f"ShaderNodeTex{dice.of('Noise', 'Checker', 'Magic', 'Brick', 'Wave', 'Voronoi')}"
     return _made(dice, tree, kind, "Color")
 
 
