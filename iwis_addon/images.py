@@ -8,6 +8,8 @@ import tempfile
 import bpy
 import numpy as np
 
+from .scratch import scratch
+
 
 def put_image(name: str, pixels: np.ndarray, is_float: bool):
     """The image of this name, made or overwritten: float32 (h, w, 4), row 0 at the bottom.
@@ -33,14 +35,11 @@ def put_image(name: str, pixels: np.ndarray, is_float: bool):
 
 def read_image(path: str) -> np.ndarray:
     """float32 (h, w, 4) of an image file as Blender reads it, row 0 below, values untouched."""
-    image = bpy.data.images.load(path)
-    try:
+    with scratch(bpy.data.images, bpy.data.images.load(path)) as image:
         image.colorspace_settings.name = "Non-Color"
         width, height = image.size
         pixels = np.empty(width * height * 4, np.float32)
         image.pixels.foreach_get(pixels)
-    finally:
-        bpy.data.images.remove(image)
     return pixels.reshape(height, width, 4)
 
 

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ...core.nodes.color import COOLEST, HOTTEST, blackbody
+from ..scratch import scratch
 
 _STEPS = 2048
 
@@ -15,15 +16,12 @@ _STEPS = 2048
 @functools.cache
 def _table() -> np.ndarray:
     """float32 (n, 3), linear, from COOLEST to HOTTEST in logarithmic steps."""
-    lamp = bpy.data.lights.new("Blackbody", "POINT")
-    try:
+    colors = np.empty((_STEPS, 3), np.float32)
+    with scratch(bpy.data.lights, bpy.data.lights.new("Blackbody", "POINT")) as lamp:
         lamp.use_temperature = True
-        colors = np.empty((_STEPS, 3), np.float32)
         for row, kelvin in enumerate(np.geomspace(COOLEST, HOTTEST, _STEPS)):
             lamp.temperature = kelvin
             colors[row] = lamp.temperature_color
-    finally:
-        bpy.data.lights.remove(lamp)
     return colors
 
 

@@ -16,6 +16,8 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
+from ..scratch import scratch
+
 _WORKING_SPACE_OF_4 = "Linear Rec.709"
 
 
@@ -134,13 +136,10 @@ def _read_file(path, space, alpha_mode) -> Texels:
 
 def _load(path, space, alpha_mode, read):
     """read(image) of a data-block that is there only for this."""
-    image = bpy.data.images.load(path)
-    try:
+    with scratch(bpy.data.images, bpy.data.images.load(path)) as image:
         image.colorspace_settings.name = space
         image.alpha_mode = alpha_mode
         return read(image)
-    finally:
-        bpy.data.images.remove(image)
 
 
 def working_space() -> str:
@@ -168,12 +167,10 @@ def _convert(color: np.ndarray, space: str) -> np.ndarray:
     rgba[..., :3] = color
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "texels.exr")
-        image = bpy.data.images.new("texels", width, height, alpha=True, float_buffer=True)
-        try:
+        made = bpy.data.images.new("texels", width, height, alpha=True, float_buffer=True)
+        with scratch(bpy.data.images, made) as image:
             image.colorspace_settings.name = "Non-Color"
             image.pixels.foreach_set(rgba.ravel())
             image.filepath_raw, image.file_format = path, "OPEN_EXR"
             image.save()
-        finally:
-            bpy.data.images.remove(image)
         return _load(path, space, "CHANNEL_PACKED", _color)

@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from ...core.program import ImageTiles
+from ..scratch import scratch
 from .image import ImageError, pixels_of, read_texels
 
 _FIRST_TILE = 1001
@@ -109,15 +110,12 @@ def _tile_path(image, number: int) -> str:
 
 
 def _read_tile(image, path: str, packed: bool):
-    loaded = bpy.data.images.load(path)
-    try:
+    with scratch(bpy.data.images, bpy.data.images.load(path)) as loaded:
         loaded.colorspace_settings.name = image.colorspace_settings.name
         loaded.alpha_mode = image.alpha_mode
         if packed:
             loaded.pack()
         return _read_rgba(loaded, None)
-    finally:
-        bpy.data.images.remove(loaded)
 
 
 def _read_rgba(image, image_user) -> tuple[np.ndarray, bool]:
