@@ -2,6 +2,7 @@
 
 In the order of the data; a module imports only from groups with a smaller number:
 
+    _kernel_files                                   -2  files of compiled kernels
     _parts, addresses                               -1  how kernels are put together; raw memory
     _jit, settings, program, lamps, object_motion,   0  how kernels are kept; all defaults
     compile_apart, rows, turns, asked_passes, bake_points

@@ -16,6 +16,7 @@ from pathlib import Path
 import numba
 
 try:
+    from ._kernel_files import c_function
     from ._parts import KNOWN_NUMBA, new_kernel
 
     _KNOWN_NUMBA = numba.version_info.short in KNOWN_NUMBA
@@ -104,7 +105,9 @@ def kernel(function=None, *, allocates=False, ordered=False, **options):
 
 def c_callback(signature):
     """Compile a function that C code may call, in any thread and without Python: f.address."""
-    return lambda function: _kept(numba.cfunc(signature, cache=True), function)
+    if not _KNOWN_NUMBA:
+        return lambda function: _kept(numba.cfunc(signature, cache=True), function)
+    return lambda function: _kept(lambda wrapped: c_function(wrapped, signature), function)
 
 
 def _kept(compile_it, function):

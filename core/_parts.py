@@ -21,6 +21,8 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import register_pass
 from numba.core.registry import CPUDispatcher
 
+from ._kernel_files import KernelFiles
+
 # Releases whose inner classes are those that this file extends; for others _jit.py does without.
 KNOWN_NUMBA = {(0, 68)}
 # numba makes millions of small objects, among which Python would look for garbage: a tenth of the
@@ -33,6 +35,7 @@ def new_kernel(function, options: dict) -> Kernel:
     defaults = {"nopython": True, "boundscheck": None, "no_cfunc_wrapper": True}
     kernel = Kernel(function, {}, defaults | options, pipeline_class=_WholeCompiler)
     kernel.enable_caching()
+    KernelFiles.take_over(kernel._cache)
     return kernel
 
 

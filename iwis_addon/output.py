@@ -13,15 +13,18 @@ import bpy
 _PNG_END = b"IEND\xaeB`\x82"
 # Pictures of little content compress to this part of their size; less room than that is none.
 _LEAST_COMPRESSED = 1 / 16
+# Of Blender's command line: it renders and saves.
+_RENDERS = {"-f", "--render-frame", "-a", "--render-anim"}
 
 
 def check_room(scene, channels: int) -> None:
     """Raise OSError where a Blender program is about to save a picture that has no room.
 
-    To be called before Blender saves, which it does by itself in background mode only.
+    To be called before Blender saves, which it does by itself in background mode only, where its
+    command line says so: what a script does with a picture it knows alone.
     channels: of all passes of the view layer
     """
-    if not bpy.app.background or bpy.app.module:
+    if not bpy.app.background or bpy.app.module or not _RENDERS & set(sys.argv):
         return
     path = Path(bpy.path.abspath(scene.render.frame_path(frame=scene.frame_current)))
     folder = next((parent for parent in path.parents if parent.is_dir()), None)
@@ -32,8 +35,9 @@ def check_room(scene, channels: int) -> None:
     pixels = render.resolution_x * render.resolution_y * share
     multilayer = render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
     needed = pixels * (4 * channels if multilayer else 3) * _LEAST_COMPRESSED
-    free = shutil.disk_usage(folder).free
-    if free < needed:
+    usage = shutil.disk_usage(folder)
+    free = usage.free
+    if usage.total and free < needed:  # file systems in memory, and some of networks, say nothing
         raise OSError(
             f"{folder}: {free} bytes are left on the disk, too few for {path.name}: "
             "free some space or choose another folder"
@@ -44,7 +48,8 @@ def check_written(path: Path) -> None:
     """Raise OSError where a saved picture is cut short. Reads it back only when room ran out."""
     if path.stat().st_size == 0:
         raise OSError(f"{path}: nothing could be written: free some space, or choose another disk")
-    if shutil.disk_usage(path.parent).free > path.stat().st_size:
+    usage = shutil.disk_usage(path.parent)
+    if not usage.total or usage.free > path.stat().st_size:
         return
     problem = _damage_of(path)
     if problem:

@@ -79,18 +79,20 @@ def export_scene(
     cache: ExportCache | None = None,
     cancelled=lambda: False,
     camera=None,
+    own_camera=None,
     live: LiveExport | None = None,
     geometry: list[MeshExport] | None = None,
 ) -> Scene:
     """All that one picture of the graph's scene and view layer needs.
 
     region: as for export_camera; cache: as for export_mesh and read_world
-    camera: a core.scene.Camera in place of the scene's; live: what of a window need not be read
+    camera: a core.scene.Camera in place of the scene's; own_camera: own of export_camera
+    live: what of a window need not be read
     warnings: gets one line for all that is rendered otherwise than Cycles would
     geometry: gets what the mesh table was made of
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
-    camera = camera or export_camera(depsgraph, warnings, region=region)
+    camera = camera or export_camera(depsgraph, warnings, region=region, own=own_camera)
     read, geometry = geometry, export_mesh(depsgraph, warnings, cache, cancelled)
     texels = None if cache is None else cache.texels
     own = depsgraph, geometry, live, texels, cancelled, warnings

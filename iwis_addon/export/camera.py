@@ -17,6 +17,7 @@ from .panorama import panorama_of
 
 # Cycles' limits of what it divides by.
 _LEAST_FSTOP, _LEAST_FOCUS = 1e-5, 1e-5
+_FAR = 1e5  # metres, where float32 has steps of a centimetre
 
 
 class _Optics(NamedTuple):
@@ -154,23 +155,30 @@ def camera_matrix(camera):
     return matrix
 
 
-def export_camera(depsgraph, warnings: list[str], *, region=None) -> Camera:
+def export_camera(depsgraph, warnings: list[str], *, region=None, own=None) -> Camera:
     """The camera of the evaluated scene and its frame.
 
-    region: (x0, y0, x1, y1) to render instead of the border
+    region: (x0, y0, x1, y1) to render instead of the border; own: the camera's object, where it is
+        not to be the one that the scene has now
     Raises ExportError without a camera, or with one that has no size.
     """
     scene = depsgraph.scene_eval
-    camera = scene.camera
+    camera = scene.camera if own is None else own.evaluated_get(depsgraph)
     if camera is None:
         raise ExportError(
             f"Scene {scene.name} has no camera: add one, or choose one in the scene's properties"
         )
     render = scene.render
     optics = camera_optics(camera, render, warnings)
+    matrix = camera_matrix(camera)
+    if np.abs(matrix[:3, 3]).max() >= _FAR:
+        warnings.append(
+            f"Camera {camera.name} is {np.abs(matrix[:3, 3]).max():.3g} m from the origin, where "
+            "places are known to a centimetre at best: bring it, and what it sees, nearer"
+        )
     width, height = frame_size(render)
     return Camera(
-        camera_to_world=camera_matrix(camera),
+        camera_to_world=matrix,
         width=width,
         height=height,
         region=border_region(render) if region is None else tuple(region),

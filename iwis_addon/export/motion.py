@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 from mathutils import Matrix
 
-from ...core.scene import PERSPECTIVE, Camera, CameraMotion, Scene
+from ...core.scene import PERSPECTIVE, CameraMotion, Scene
 from .camera import camera_matrix, camera_optics
 from .changing_shapes import ChangingShapes
 from .mesh import MeshExport
@@ -41,20 +41,21 @@ def export_in_motion(engine, depsgraph, warnings: list[str], export: Callable[..
     geometry: list[MeshExport] = []
     if not render.use_motion_blur or not getattr(layer, "use_motion_blur", True):
         return export(geometry=geometry)
+    own = own_camera(depsgraph)
     now = scene.frame_current + scene.frame_subframe
     middle = now + _MIDDLE[render.motion_blur_position] * render.motion_blur_shutter
     try:
         if middle != now:
             go_to(engine, middle)
-        exported = export(geometry=geometry)
+        exported = export(geometry=geometry, own_camera=own)
         steps = read_steps(depsgraph)
         shapes = ChangingShapes(depsgraph, geometry[0], steps, render.motion_blur_shutter)
-        camera, objects = _motions(engine, depsgraph, exported.camera, middle, steps, shapes)
+        cameras = own, exported.camera
+        camera, objects = _motions(engine, depsgraph, cameras, middle, steps, shapes)
     finally:
         go_to(engine, now)
     times = shutter_times(render)
-    own = geometry[0].inventory.instances, objects, times, shapes.tables()
-    moved, still = object_motion(*own)
+    moved, still = object_motion(geometry[0].inventory.instances, objects, times, shapes.tables())
     _tell(depsgraph.scene_eval, still, warnings)
     warnings.extend(shapes.lines(depsgraph.scene_eval.name))
     motion = _as_table(*camera, times, keep=moved is not None)
@@ -68,37 +69,44 @@ def go_to(engine, time: float) -> None:
     engine.frame_set(frame, time - frame)
 
 
-def _motions(engine, depsgraph, middle: Camera, time: float, steps, shapes: ChangingShapes):
+def own_camera(depsgraph):
+    """The object of the frame's camera: other frames may have another one, by a marker."""
+    camera = depsgraph.scene_eval.camera
+    return camera and camera.original
+
+
+def _motions(engine, depsgraph, cameras, time: float, steps, shapes: ChangingShapes):
     """((matrices, windows) of the camera at its steps, Motions of the objects).
 
-    steps: of Motions; shapes: looks at each time
+    cameras: the object, and the Camera of the middle; steps: of Motions; shapes: looks at each time
     """
-    camera_steps = steps_of(getattr(depsgraph.scene_eval.camera, "cycles", None))
+    own, middle = cameras
+    camera_steps = steps_of(getattr(own, "cycles", None))
     most = max(camera_steps, *steps.values(), 3)
     half = 0.5 * depsgraph.scene_eval.render.motion_blur_shutter
-    cameras, places = [], []
+    seen, places = [], []
     for number, relative in enumerate(np.linspace(-1.0, 1.0, most)):
         if relative != 0.0:
             go_to(engine, time + relative * half)
-            cameras.append(camera_now(depsgraph))
+            seen.append(camera_now(depsgraph, own))
             places.append(read_places(depsgraph, steps))
             shapes.look(depsgraph, number, most)
         else:  # the graph stands elsewhere: this is what was exported
-            cameras.append((middle.camera_to_world, middle.window))
+            seen.append((middle.camera_to_world, middle.window))
             places.append(None)
     if camera_steps:
-        cameras = cameras[:: (most - 1) // (camera_steps - 1)]
+        seen = seen[:: (most - 1) // (camera_steps - 1)]
     else:
-        cameras = [(middle.camera_to_world, middle.window)]
-    matrices, windows = zip(*cameras, strict=True)
+        seen = [(middle.camera_to_world, middle.window)]
+    matrices, windows = zip(*seen, strict=True)
     if middle.kind != PERSPECTIVE:  # Cycles blurs no other change of what the frame shows
         windows = [middle.window] * len(windows)
     return (list(matrices), list(windows)), Motions(steps, places)
 
 
-def camera_now(depsgraph):
-    """(camera_to_world, window) of the scene's camera as the graph has it."""
-    camera = depsgraph.scene_eval.camera
+def camera_now(depsgraph, own):
+    """(camera_to_world, window) of own_camera as the graph has it."""
+    camera = own.evaluated_get(depsgraph)
     return camera_matrix(camera), camera_optics(camera, depsgraph.scene_eval.render, [])["window"]
 
 

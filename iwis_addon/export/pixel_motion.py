@@ -12,7 +12,7 @@ from ...core.object_motion import PixelMotion
 from ...core.scene import Scene
 from .changing_shapes import ChangingShapes
 from .mesh import MeshExport
-from .motion import camera_now, go_to
+from .motion import camera_now, go_to, own_camera
 from .object_motion import Key, read_places
 
 _STILL = 1e-9  # of a matrix
@@ -29,6 +29,7 @@ def export_with_vectors(engine, depsgraph, export: Callable[..., Scene]) -> Scen
     """What export() gives, with pixel_motion. The rest as for export_in_motion"""
     geometry: list[MeshExport] = []
     scene = depsgraph.scene_eval
+    own = own_camera(depsgraph)
     exported = export(geometry=geometry)
     camera, instances = exported.camera, geometry[0].inventory.instances
     keys = Counter(Key(instance.name, instance.number) for instance in instances)
@@ -39,15 +40,15 @@ def export_with_vectors(engine, depsgraph, export: Callable[..., Scene]) -> Scen
     try:
         for number, time in ((0, now - 1.0), (2, now + 1.0)):
             go_to(engine, time)
-            to_world, window = camera_now(depsgraph)
+            to_world, window = camera_now(depsgraph, own)
             moves.append(to_world @ np.linalg.inv(camera.camera_to_world))
             windows.append(np.subtract(window, camera.window))
             places.append(read_places(depsgraph, steps))
             shapes.look(depsgraph, number, 3)
     finally:
         go_to(engine, now)
-    own = _matrices(instances, places)
-    motion = PixelMotion(*own, shapes.tables(), np.array(moves), np.array(windows))
+    rows = _matrices(instances, places)
+    motion = PixelMotion(*rows, shapes.tables(), np.array(moves), np.array(windows))
     return dataclasses.replace(exported, pixel_motion=motion)
 
 

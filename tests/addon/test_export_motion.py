@@ -86,6 +86,22 @@ def test_the_camera_is_read_over_the_shutters_time(moving, rendered, position, f
     assert moving.camera.matrix_world[0][3] == pytest.approx(40.0)
 
 
+@pytest.mark.parametrize("position", ["START", "CENTER", "END"])
+def test_at_a_cut_the_frames_own_camera_is_blurred(moving, rendered, position):
+    """A marker gives the frames before another camera, which Cycles does not look through."""
+    moving.render.motion_blur_position = position
+    expected = rendered().motion.matrices
+    other = moving.camera.copy()
+    other.animation_data_clear()
+    moving.collection.objects.link(other)
+    for frame, camera in ((1, other), (4, moving.camera)):
+        moving.timeline_markers.new(f"cut {frame}", frame=frame).camera = camera
+    moving.frame_set(4)
+    np.testing.assert_allclose(rendered().motion.matrices, expected, atol=1e-6)
+    moving.frame_set(3)
+    assert rendered().motion is None  # the other one stands, and the next one is not looked through
+
+
 def test_a_camera_that_stands_has_no_motion(moving, rendered):
     """Nothing to blur: neither passes nor samples are spent on it."""
     moving.camera.animation_data_clear()

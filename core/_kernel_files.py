@@ -1,0 +1,77 @@
+"""Files of compiled kernels that may be damaged, and disks that may be full.
+
+numba ends with whatever pickle makes of a file that is cut short or overwritten, and so does every
+later render; a sum at the end of each file tells of it, and the kernel is compiled anew.
+"""
+
+from __future__ import annotations
+
+import functools
+import logging
+import pickle
+import zlib
+
+from numba.core import ccallback, sigutils
+from numba.core.caching import IndexDataCacheFile
+
+log = logging.getLogger(__name__)
+
+_SUM = 4  # bytes
+
+
+class KernelFiles(IndexDataCacheFile):
+    """numba's index and data files of one kernel."""
+
+    @classmethod
+    def take_over(cls, cache) -> None:
+        """Stand in for the files of a numba Cache."""
+        own = cls.__new__(cls)
+        own.__dict__.update(cache._cache_file.__dict__)
+        cache._cache_file = own
+
+    def save(self, key, data):
+        """Keep machine code; a disk that is full or gone is told of, once."""
+        try:
+            super().save(key, data)
+        except OSError as error:
+            _tell_once(self._cache_path, error.strerror or str(error))
+
+    def _load_index(self):
+        try:
+            return super()._load_index()
+        except OSError:
+            raise
+        except Exception:  # pickle raises anything; what it lists is compiled and saved again
+            return {}
+
+    def _save_data(self, name, data):
+        data = self._dump(data)
+        with self._open_for_write(self._data_path(name)) as file:
+            file.write(data)
+            file.write(zlib.crc32(data).to_bytes(_SUM, "little"))
+
+    def _load_data(self, name):
+        with open(self._data_path(name), "rb") as file:
+            data = file.read()
+        if zlib.crc32(data[:-_SUM]).to_bytes(_SUM, "little") != data[-_SUM:]:
+            raise OSError(f"{self._data_path(name)} is damaged")  # as if there were none
+        return pickle.loads(data[:-_SUM])
+
+
+@functools.cache
+def _tell_once(folder: str, reason: str) -> None:
+    log.warning(
+        "IWIS: compiled kernels cannot be kept in %s (%s): the next start compiles them again. "
+        "Make room there, or choose another cache folder",
+        folder,
+        reason,
+    )
+
+
+def c_function(function, signature) -> ccallback.CFunc:
+    """As numba's cfunc(signature, cache=True)(function)."""
+    made = ccallback.CFunc(function, sigutils.normalize_signature(signature), {}, {})
+    made.enable_caching()
+    KernelFiles.take_over(made._cache)
+    made.compile()
+    return made

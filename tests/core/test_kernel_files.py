@@ -1,0 +1,84 @@
+"""core/_kernel_files.py: what a damaged cache of kernels, or a full disk, does to a render."""
+
+import errno
+import logging
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+
+from iwis.core import _jit, _kernel_files
+from iwis.core._kernel_files import KernelFiles
+
+_DAMAGES = {
+    "empty": lambda data: b"",
+    "cut": lambda data: data[: len(data) // 2],
+    "zeros": lambda data: bytes(len(data)),
+    "one bit": lambda data: data[:-100] + bytes([data[-100] ^ 1]) + data[-99:],
+}
+
+
+def _twice(values):
+    for k in range(len(values)):
+        values[k] *= 2.0
+
+
+def _compiled():
+    """A kernel as a start of Blender finds it: (doubled numbers, whether it was on disk)."""
+    made = _jit.kernel(_twice)
+    values = np.arange(3.0)
+    made(values)
+    np.testing.assert_array_equal(values, [0.0, 2.0, 4.0])
+    return bool(made.stats.cache_hits)
+
+
+@pytest.fixture
+def folder(monkeypatch, tmp_path):
+    """A folder for kernels, with one in it."""
+    monkeypatch.setattr(_jit, "_CACHE_DIR", str(tmp_path))
+    _kernel_files._tell_once.cache_clear()
+    assert not _compiled() and _compiled()
+    return tmp_path
+
+
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+@pytest.mark.parametrize("damage", _DAMAGES)
+def test_a_damaged_file_is_compiled_anew(folder, suffix, damage):
+    """Once: after that it is whole again. (A bit of an index may be one that says nothing.)"""
+    (path,) = folder.rglob(f"*.{suffix}")
+    path.write_bytes(_DAMAGES[damage](path.read_bytes()))
+    found = _compiled()
+    assert not found or (suffix, damage) == ("nbi", "one bit")
+    assert _compiled()
+
+
+def test_a_callback_of_c_is_compiled_anew(folder):
+    """The same for what Embree calls."""
+
+    def half(value):
+        return value / 2.0
+
+    signature = numba.float64(numba.float64)
+    assert _jit.c_callback(signature)(half).cache_hits == 0
+    (path,) = folder.rglob("*half*.nbc")
+    path.write_bytes(b"")
+    assert _jit.c_callback(signature)(half).cache_hits == 0
+    again = _jit.c_callback(signature)(half)
+    assert again.cache_hits == 1 and again.ctypes(3.0) == 1.5
+
+
+def test_a_full_disk_is_told_once_and_no_error(folder, monkeypatch, caplog):
+    """Kernels stay in memory."""
+
+    def full(self, path):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    for path in folder.rglob("*.nb?"):
+        path.unlink()
+    monkeypatch.setattr(KernelFiles, "_open_for_write", full)
+    with caplog.at_level(logging.WARNING):
+        assert not _compiled() and not _compiled()
+    assert [r.getMessage().count("No space left on device") for r in caplog.records] == [1]
+    assert str(folder) in caplog.records[0].getMessage()
+    assert not list(Path(folder).rglob("*.nb?"))
