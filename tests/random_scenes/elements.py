@@ -42,6 +42,7 @@ def _hair(dice, material):
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=0.6)
     emitter = bpy.context.object
     emitter.data.materials.append(material)
+    emitter.show_instancer_for_render = False  # hair on a mesh is another one in Cycles
     settings = emitter.modifiers.new("P", "PARTICLE_SYSTEM").particle_system.settings
     settings.type, settings.count = "HAIR", dice.whole(5, 40)
     settings.hair_length, settings.root_radius = dice.between(0.2, 0.6), dice.between(3.0, 8.0)

@@ -63,4 +63,4 @@ def of_shape(dice: Dice, tree):
     if kind == "info":
         index = tree.made("ShaderNodeObjectInfo", "Object Index")
         return tree.made("ShaderNodeMath", 0, {0: index, 1: 0.2}, operation="MULTIPLY")
-    return tree.made("ShaderNodeLightPath", dice.of("Is Camera Ray", "Transparent Depth"))
+    return tree.made("ShaderNodeLightPath", "Is Camera Ray")

@@ -69,8 +69,7 @@ def _shaped(dice, obj, n_materials):
     n = len(colors.data)
     values = np.stack([np.arange(n) % k / k for k in (3, 5, 7)] + [np.ones(n)], -1)
     colors.data.foreach_set("color", values.astype(np.float32).ravel())
-    for _ in range(dice.of(0, 0, 1, 2)):
-        kind = dice.of(*_MODIFIERS)
+    for kind in {dice.of(*_MODIFIERS): 0 for _ in range(dice.of(0, 0, 1, 2))}:
         dice.tell(kind.lower())
         modifier = obj.modifiers.new(kind, kind)
         for name, value in _MODIFIERS[kind].items():
