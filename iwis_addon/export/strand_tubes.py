@@ -17,6 +17,9 @@ import numpy as np
 _WANTED = 1 << 21
 _SIDES = (32, 24, 16, 12, 8, 6, 4)
 _SIDES_OF_PIECES = 8
+# Strands with kinks are up to a fifth darker than bent ones. So there may be this many triangles
+# for a few pieces, if need be of fewer sides; of four they are a tenth too bright.
+_MOST, _ENOUGH_PIECES, _LEAST_SIDES = 1 << 23, 5, 6
 # A chord may leave the spline by this part of the radius, but for the worst of 20.
 _STRAY, _SHARE = 0.02, 95.0
 _MOST_PIECES = 16
@@ -88,11 +91,26 @@ def choose_shape(strands: Strands, most_pieces: int, straight: bool) -> Shape:
         radius = np.maximum(b[:, 3], c[:, 3])
         far = np.divide(stray, radius, out=np.zeros_like(stray), where=radius > 0.0)
         worst = min(float(np.percentile(far, _SHARE)) / _STRAY, 1e6)
-        room = max(_WANTED // (2 * _SIDES_OF_PIECES * strands.segments), 1)
-        pieces = int(min(np.ceil(np.sqrt(max(worst, 1.0))), most_pieces, _MOST_PIECES, room))
-    bands = max(strands.segments * pieces, 1)
-    sides = next((k for k in _SIDES if 2 * k * bands <= _WANTED), _SIDES[-1])
-    return Shape(sides, pieces, straight)
+        wanted = int(min(np.ceil(np.sqrt(max(worst, 1.0))), most_pieces, _MOST_PIECES))
+        pieces = _pieces(strands.segments, wanted)
+    return Shape(_sides(max(strands.segments * pieces, 1), pieces > 1), pieces, straight)
+
+
+def _pieces(segments: int, wanted: int) -> int:
+    """As many as wanted where there is room, and a few where there is little."""
+    room, most = (
+        _WANTED // (2 * _SIDES_OF_PIECES * segments),
+        _MOST // (2 * _LEAST_SIDES * segments),
+    )
+    return max(min(wanted, max(room, min(_ENOUGH_PIECES, most))), 1)
+
+
+def _sides(bands: int, in_pieces: bool) -> int:
+    """bands: of triangles, of all strands; in_pieces: whether there is room for more of them"""
+    fitting = [k for k in _SIDES if 2 * k * bands <= _WANTED]
+    if in_pieces and (not fitting or fitting[0] < _SIDES_OF_PIECES):
+        fitting = [k for k in _SIDES if k <= _SIDES_OF_PIECES and 2 * k * bands <= _MOST]
+    return fitting[0] if fitting else _SIDES[-1]
 
 
 def count_triangles(strands: Strands, shape: Shape) -> int:

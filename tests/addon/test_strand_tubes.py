@@ -96,6 +96,19 @@ def test_few_strands_are_rounder_and_bends_are_finer():
     assert choose_shape(many, 4, False) == Shape(4, 1, False)
 
 
+@pytest.mark.parametrize(
+    "count, expected",
+    [(4_000, (12, 6)), (30_000, (8, 5)), (60_000, (6, 3)), (200_000, (4, 1))],
+)
+def test_many_bent_strands_keep_some_pieces(count, expected):
+    """Kinks would make them darker, four sides brighter."""
+    keys = np.tile(np.float32(_BENT), (count, 1))
+    many = Strands(keys, np.arange(0, 4 * count + 1, 4))
+    shape = choose_shape(many, 16, False)
+    assert (shape.sides, shape.pieces) == expected
+    assert count_triangles(many, shape) <= 1 << 23
+
+
 def test_too_many_strands_name_their_object():
     with pytest.raises(ExportError, match=r"Object Wig: its 9 strands are 4,000,000,000 triangles"):
         check_made("Wig", "9 strands", 4_000_000_000)
