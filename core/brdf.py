@@ -243,6 +243,13 @@ def _sample_gloss(at, u1, u2):
 
 
 @kernel(forceinline=True)
+def power_heuristic(own, other):
+    """Share of a sample that another kind of samples has too [Veach95]. Both: expected densities"""
+    own, other = own * own, other * other
+    return own / (own + other)
+
+
+@kernel(forceinline=True)
 def eval_brdf_cos(lobes, p, wi_x, wi_y, wi_z):
     """eval_at of row p."""
     return eval_at(lobes_at(lobes, p), wi_x, wi_y, wi_z)

@@ -8,6 +8,7 @@ import numpy as np
 
 from ._jit import kernel
 from .lamp_falloff import falloff_at
+from .lamp_meshes import is_near_mesh
 from .lamps import BEAM, MESH, ROUND_BEAM, SUN, Lamps
 
 # Up to so many lamps all are sampled; of more, so many at each point.
@@ -70,3 +71,11 @@ def share_out(lamps, powers, points, p, shares):
         total += shares[i]
     for i in range(len(powers)):
         shares[i] = shares[i] * CHOSEN_LAMPS / total if total > 0.0 else 0.0
+
+
+@kernel(forceinline=True)
+def is_met(lamps, i, sharp, position, p):
+    """Whether the BSDF's samples at point p look for lamp i: a sharp lobe's for all of a size."""
+    if not sharp:
+        return is_near_mesh(lamps, i, position, p)
+    return lamps.size[i, 0] > _ZERO and lamps.kind[i] < BEAM

@@ -17,9 +17,17 @@ import numpy as np
 
 from ._jit import kernel
 from .accel import Accel, start_shadow_ray
-from .brdf import eval_at, pdf_narrowest_at, sample_narrowest_at
-from .lamp_choice import ALL_LAMPS, CHOSEN_LAMPS, powers_of, share_out
+from .brdf import (
+    eval_at,
+    pdf_at,
+    pdf_narrowest_at,
+    power_heuristic,
+    sample_at,
+    sample_narrowest_at,
+)
+from .lamp_choice import ALL_LAMPS, CHOSEN_LAMPS, is_met, powers_of, share_out
 from .lamp_falloff import falloff_at
+from .lamp_meshes import near_meshes
 from .lamp_pictures import tint_at
 from .lamp_shapes import meet_lamp, sample_lamp
 from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, Lamps
@@ -36,7 +44,7 @@ from .turns import aside
 # Columns of a point's light: (r, g, b) by the diffuse lobe, by the glossy one, and the luminance of
 # all, were nothing between the lamps and the point. What follows is (r, g, b) of each light group.
 UNOCCLUDED, COLUMNS = 6, 7
-# Lobes of a greater alpha leave their lamps to the lamps' own samples.
+# Lobes of a greater alpha leave lamps to the lamps' own samples, but for faces that are near.
 _NARROW = np.float32(0.3)
 _CAPACITY = 8192  # rays that are traced together
 _BSDF_SALT, _CHOICE_SALT, _LAMP_SALT = LAMPS, LAMPS + 3, LAMPS + 6
@@ -160,23 +168,25 @@ def _bring(column, color, light, n, sums, p):
 
 
 @kernel(forceinline=True)
-def _power_heuristic(own, other):
-    own, other = own * own, other * other
-    return own / (own + other)
+def _pdf(at, near, x, y, z):
+    """The density of the BSDF's samples: of its narrow lobe, or beside a mesh of all."""
+    return pdf_at(at, x, y, z) if near else pdf_narrowest_at(at, x, y, z)
 
 
 @kernel(forceinline=True)
 def _to_lamp(at, points, p, lamps, i, share, follows, a, b, offset, rays, n, sums):
-    """A sample of lamp i from point p; share: samples of it that are expected."""
+    """A sample of lamp i from point p; share: samples of it that are expected; follows: whether
+    samples of the BSDF follow, of a sharp lobe, and beside a mesh."""
+    sharp, near = follows
     px, py, pz = _float64(points.position, p)
     nx, ny, nz = np.float64(at.normal[0]), np.float64(at.normal[1]), np.float64(at.normal[2])
     dx, dy, dz, far, factor, pdf, face = sample_lamp(lamps, i, px, py, pz, nx, ny, nz, a, b)
     if not factor > 0.0:
         return n
     weight = factor / (pdf * share)
-    if follows and lamps.size[i, 0] > _ZERO and lamps.kind[i] < BEAM:
-        by_lobe = pdf_narrowest_at(at, np.float32(dx), np.float32(dy), np.float32(dz))
-        weight *= _power_heuristic(pdf * share, np.float64(by_lobe))
+    if (sharp or near) and is_met(lamps, i, sharp, points.position, p):
+        by_lobe = _pdf(at, near, np.float32(dx), np.float32(dy), np.float32(dz))
+        weight *= power_heuristic(pdf * share, np.float64(by_lobe))
     below, flat = np.float64(points.lift_below[p]), points.geometric_normal
     above = flat[p, 0] * dx + flat[p, 1] * dy + flat[p, 2] * dz
     lifted = below > 0.0 and above < below + below
@@ -185,21 +195,25 @@ def _to_lamp(at, points, p, lamps, i, share, follows, a, b, offset, rays, n, sum
 
 
 @kernel(forceinline=True)
-def _by_lobe(at, points, p, lamps, shares, u, v, offset, rays, n, sums):
-    """A sample of the narrow lobe: the light of all lamps that it meets."""
-    x, y, z = sample_narrowest_at(at, np.float32(u), np.float32(v))
-    pdf = np.float64(pdf_narrowest_at(at, x, y, z))
+def _by_lobe(at, points, p, lamps, shares, follows, u, v, offset, rays, n, sums):
+    """A sample of the narrow lobe, or of all: the light of the lamps that it is to meet."""
+    sharp, near = follows
+    if near:
+        x, y, z, _ = sample_at(at, np.float32(u), np.float32(v))
+    else:
+        x, y, z = sample_narrowest_at(at, np.float32(u), np.float32(v))
+    pdf = np.float64(_pdf(at, near, x, y, z))
     if not 0.0 < pdf < np.inf:
         return n
     dx, dy, dz = np.float64(x), np.float64(y), np.float64(z)
     px, py, pz = _float64(points.position, p)
     nx, ny, nz = np.float64(at.normal[0]), np.float64(at.normal[1]), np.float64(at.normal[2])
     for i in range(len(lamps.kind)):
-        if lamps.size[i, 0] == _ZERO or lamps.kind[i] >= BEAM:
+        if not is_met(lamps, i, sharp, points.position, p):
             continue
         far, factor, by_lamp, face = meet_lamp(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
         if factor > 0.0:
-            weight = factor * _power_heuristic(pdf, by_lamp * shares[i]) / pdf
+            weight = factor * power_heuristic(pdf, by_lamp * shares[i]) / pdf
             lifted = points.lift_below[p] >= _ROUND
             own = at, points, p, lamps, i, face, (dx, dy, dz), far, weight, lifted
             n = _write(*own, offset, rays, n, sums)
@@ -219,7 +233,9 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
             p += 1
             continue
         place = samples.columns[p], samples.rows[p], samples.number[p], samples.seed
-        follows = (at.kind > DIFFUSE_LOBE or is_toon(at.rough)) and at.alpha < _NARROW
+        sharp = (at.kind > DIFFUSE_LOBE or is_toon(at.rough)) and at.alpha < _NARROW
+        near = at.rough[3] >= _ZERO and near_meshes(lamps, points.position, p)
+        follows = sharp, near
         start = 0.0
         if choose:
             share_out(lamps, powers, points, p, shares)
@@ -236,9 +252,9 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
                 a, b = point_of_pixel(place, _LAMP_SALT + 3 * k)
                 own = at, points, p, lamps, i, shares[i], follows, a, b
                 n = _to_lamp(*own, offset, rays, n, sums)
-        if follows:
+        if sharp or near:
             u, v = point_of_pixel(place, _BSDF_SALT)
-            n = _by_lobe(at, points, p, lamps, shares, u, v, offset, rays, n, sums)
+            n = _by_lobe(at, points, p, lamps, shares, follows, u, v, offset, rays, n, sums)
         p += 1
     return p, n
 

@@ -13,10 +13,12 @@ import math
 import numpy as np
 
 from ._jit import kernel
-from .lamps import BLOCK
+from .lamps import BLOCK, MESH
 
 _NOTHING = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1)
 _MISSED = (0.0, 0.0, 0.0, -1)
+# Widths of a face, were all of a lamp's alike, within which it is near.
+_NEAR = np.float32(3.0)
 _ZERO, _HALF, _TINY = np.float32(0.0), np.float32(0.5), np.float32(1e-24)
 
 
@@ -216,3 +218,27 @@ def meet_mesh(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz):
     chance = _chance_of(faces, root, leaf, k, _float32(px, py, pz), _float32(nx, ny, nz))
     pdf = 2.0 * chance * far * far / abs(slope)
     return far, 1.0, pdf, 2 * k + (1 if slope > 0.0 else 0)
+
+
+@kernel(forceinline=True)
+def is_near_mesh(lamps, i, position, p):
+    """Whether point p may be nearer to a face of a MESH than that is wide: of samples that are even
+    over its area few are then where most of its light comes from."""
+    if lamps.kind[i] != MESH:
+        return False
+    box, squared = lamps.faces.nodes[lamps.span[i, 2]], _ZERO
+    for axis in range(3):
+        x = position[p, axis]
+        beyond = max(box[axis] - x, x - box[axis + 3], _ZERO)
+        squared += beyond * beyond
+    width = _NEAR * lamps.size[i, 0]
+    return squared * np.float32(lamps.span[i, 1] - lamps.span[i, 0]) < width * width
+
+
+@kernel
+def near_meshes(lamps, position, p):
+    """Whether is_near_mesh is true of any lamp."""
+    for i in range(len(lamps.kind)):
+        if is_near_mesh(lamps, i, position, p):
+            return True
+    return False

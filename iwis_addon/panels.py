@@ -190,8 +190,10 @@ class IWIS_PT_simplify(IWISPanel, bpy.types.Panel):
     def draw(self, context):
         layout, render = self.split_layout(), context.scene.render
         layout.active = render.use_simplify
-        layout.prop(render, "simplify_subdivision_render", text="Max Subdivision")
-        layout.prop(render, "simplify_child_particles_render", text="Max Child Particles")
+        for where, suffix in (("Viewport", ""), ("Render", "_render")):
+            column = layout.column(heading=where)
+            column.prop(render, f"simplify_subdivision{suffix}", text="Max Subdivision")
+            column.prop(render, f"simplify_child_particles{suffix}", text="Max Child Particles")
 
 
 class IWIS_PT_film(IWISPanel, bpy.types.Panel):

@@ -70,7 +70,7 @@ class IWIS_PT_motion_blur(IWISPanel, bpy.types.Panel):
         camera = scene.camera
         if camera is not None and hasattr(camera, "cycles"):
             column.prop(camera.cycles, "motion_steps", text="Camera Steps")
-        layout.label(text="Camera and objects; changing shapes stay sharp", icon="INFO")
+        layout.label(text="Lamps stand as in the middle of the time", icon="INFO")
 
 
 class IWIS_PT_motion_blur_curve(IWISPanel, bpy.types.Panel):

@@ -100,6 +100,7 @@ class IWIS_PT_material_settings(IWISPanel, bpy.types.Panel):
     def draw(self, context):
         column, material = self.split_layout().column(), context.material
         column.prop(material, "pass_index")
+        column.prop(material, "displacement_method", text="Displacement")
         column.prop(material, "use_transparent_shadow")
         if hasattr(material, "cycles"):
             column.prop(material.cycles, "use_bump_map_correction")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import blf
 import bpy
 import gpu
+import numpy as np
 from gpu_extras.presets import draw_texture_2d
 
 from .false_color import false_color, legend, scale_of
@@ -19,6 +20,7 @@ from .viewport import living
 
 _WIDTH, _HEIGHT = 16, 180
 _LEFT, _BELOW = 64, 48  # beside the toolbar
+_GROUND = (0.0, 0.0, 0.0, 0.6)  # behind the legend, whose text is white
 _state: dict = {"handle": None}
 _textures: dict = {}
 
@@ -50,14 +52,20 @@ def _draw() -> None:
 def _draw_legend(scale, ui) -> None:
     if "legend" not in _textures:
         _textures["legend"] = make_texture(legend(64))
+        _textures["ground"] = make_texture(np.float32([[_GROUND]]))
     x, y, height = _LEFT * ui, _BELOW * ui, _HEIGHT * ui
+    blf.size(0, 11 * ui)
+    texts = [*scale.ticks(), (1.1, scale.title)]
+    wide = _WIDTH + 18 + max(blf.dimensions(0, text)[0] for _, text in texts) / ui
+    gpu.state.blend_set("ALPHA")
+    ground = x - 6 * ui, y - 10 * ui
+    draw_texture_2d(_textures["ground"], ground, wide * ui, 1.1 * height + 24 * ui)
     gpu.state.blend_set("NONE")
     draw_texture_2d(_textures["legend"], (x, y), _WIDTH * ui, height)
-    blf.size(0, 11 * ui)
     blf.color(0, 1.0, 1.0, 1.0, 1.0)
     blf.enable(0, blf.SHADOW)
     blf.shadow(0, 3, 0.0, 0.0, 0.0, 1.0)
-    for place, text in [*scale.ticks(), (1.1, scale.title)]:
+    for place, text in texts:
         blf.position(0, x + (_WIDTH + 6) * ui, y + place * height - 4 * ui, 0)
         blf.draw(0, text)
     blf.disable(0, blf.SHADOW)

@@ -112,6 +112,22 @@ def test_a_mirror_shows_a_mesh():
 BOXES = [((0.5, -0.2, 0.15), (0.9, 0.2, 0.55)), ((-0.2, -0.2, 0.3), (0.2, 0.2, 0.7))]
 
 
+NEAR = {"diffuse": MATERIALS["diffuse"], "paint": MATERIALS["paint"], "rough": glossy(0.8)}
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_beside_a_shining_wall_no_sample_is_most_of_the_light(name):
+    """A centimetre from the foot of a wall of 1 m: half of the hemisphere is wall. Samples that are
+    even over its area bring up to thousands of times the mean, and seldom; the BSDF's bring it."""
+    wall = quad((0.01, -0.5, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    lamps = with_emitters([], mesh_of(*join_parts([wall])[:2]), RADIANCE)
+    light = sampled([], NEAR[name], pixels=2000, numbers=8, lamps=lamps).sum(axis=1)
+    assert light.std() < 0.5 * light.mean() and light.max() < 4.0 * light.mean()
+    if name == "diffuse":  # of the wall as seen from its foot: half of all, but .6 % over its edges
+        expected = 0.5 * (RADIANCE[1] @ (0.8, 0.5, 0.3))
+        assert light.mean() == pytest.approx(expected, rel=0.02)
+
+
 def _box_share(low, high, steps=1500):
     """The part of a cosine-weighted hemisphere about z that a box covers, seen from the origin."""
     u, v = np.meshgrid(*[(np.arange(steps) + 0.5) / steps] * 2)
