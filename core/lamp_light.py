@@ -1,7 +1,8 @@
 """The light of lamps at shading points: a sample of each lamp, and one by the BSDF.
 
 A sample goes to the lamp; where a lobe is narrow another follows the lobe and brings the light of
-the lamps that it meets, for a mirror shows a lamp. Both count by the power heuristic [Veach95].
+the lamps that it meets, for a mirror shows a lamp; and beside a mesh one of the whole BSDF. They
+count by the power heuristic [Veach95].
 Of many lamps a few are taken, in proportion to their irradiance at the point, were nothing between.
 
 The numbers are Sobol points, scrambled and shuffled for each pixel and lamp (sequence.py), so that

@@ -17,7 +17,6 @@ from .panorama import panorama_of
 
 # Cycles' limits of what it divides by.
 _LEAST_FSTOP, _LEAST_FOCUS = 1e-5, 1e-5
-_FAR = 1e5  # metres, where float32 has steps of a centimetre
 
 
 class _Optics(NamedTuple):
@@ -170,15 +169,9 @@ def export_camera(depsgraph, warnings: list[str], *, region=None, own=None) -> C
         )
     render = scene.render
     optics = camera_optics(camera, render, warnings)
-    matrix = camera_matrix(camera)
-    if np.abs(matrix[:3, 3]).max() >= _FAR:
-        warnings.append(
-            f"Camera {camera.name} is {np.abs(matrix[:3, 3]).max():.3g} m from the origin, where "
-            "places are known to a centimetre at best: bring it, and what it sees, nearer"
-        )
     width, height = frame_size(render)
     return Camera(
-        camera_to_world=matrix,
+        camera_to_world=camera_matrix(camera),
         width=width,
         height=height,
         region=border_region(render) if region is None else tuple(region),

@@ -169,15 +169,6 @@ def test_camera_tells_what_it_leaves_out(view):
     ]
 
 
-def test_camera_far_away_is_told(view):
-    """Where float32 blurs what it sees: at 100 km the light is wrong by .3 %, at 1000 km by 5."""
-    told = []
-    for far in (9e4, 2e5):
-        view.camera.location.x = far
-        told += export_as_render(view).warnings
-    assert len(told) == 1 and "Camera is 2e+05 m from the origin" in told[0]
-
-
 def test_camera_of_a_frame_is_the_animated_one(view):
     """Camera objects and lenses are read from the evaluated scene."""
     data = view.camera.data

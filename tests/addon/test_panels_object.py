@@ -54,8 +54,9 @@ def test_objects_can_be_set(scene):
 
 
 def test_materials_can_be_set(scene):
-    """The index for the pass, transparent shadows, and Cycles' bump map correction."""
+    """The pass's index, how it displaces, transparent shadows, and Cycles' bump map correction."""
     material = bpy.data.materials.new("M")
     context = types.SimpleNamespace(engine="IWIS", object=None, material=material, scene=scene)
     names = {"pass_index", "use_transparent_shadow", "use_bump_map_correction"}
+    names.add("displacement_method")
     assert _drawn(context) == names
