@@ -190,10 +190,13 @@ class IWIS_PT_simplify(IWISPanel, bpy.types.Panel):
     def draw(self, context):
         layout, render = self.split_layout(), context.scene.render
         layout.active = render.use_simplify
-        for where, suffix in (("Viewport", ""), ("Render", "_render")):
-            column = layout.column(heading=where)
-            column.prop(render, f"simplify_subdivision{suffix}", text="Max Subdivision")
-            column.prop(render, f"simplify_child_particles{suffix}", text="Max Child Particles")
+        for name, text in (
+            ("simplify_subdivision", "Max Subdivision Viewport"),
+            ("simplify_child_particles", "Child Particles Viewport"),
+        ):
+            column = layout.column(align=True)
+            column.prop(render, name, text=text)
+            column.prop(render, f"{name}_render", text="Render")
 
 
 class IWIS_PT_film(IWISPanel, bpy.types.Panel):
