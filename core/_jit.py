@@ -11,6 +11,7 @@ import logging
 import os
 import sys
 import tempfile
+import threading
 from pathlib import Path
 
 import numba
@@ -83,6 +84,7 @@ def _private_temporary_dir() -> Path:
 
 
 _CACHE_DIR = _writable_cache_dir()
+_FOLDER_IS_SET = threading.RLock()
 
 
 def kernel(function=None, *, allocates=False, ordered=False, **options):
@@ -111,10 +113,14 @@ def c_callback(signature):
 
 
 def _kept(compile_it, function):
-    """compile_it(function), its machine code in our folder."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = _CACHE_DIR
-    try:
-        return compile_it(function)
-    finally:
-        numba.config.CACHE_DIR = before
+    """compile_it(function), its machine code in our folder.
+
+    numba's setting is the whole process's: threads that import kernels take turns.
+    """
+    with _FOLDER_IS_SET:
+        before = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = _CACHE_DIR
+        try:
+            return compile_it(function)
+        finally:
+            numba.config.CACHE_DIR = before

@@ -3,8 +3,10 @@
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
+import numba
 import numpy as np
 
 from iwis.core import _jit
@@ -91,3 +93,25 @@ def test_unwritable_cache_folder_is_told_and_replaced(monkeypatch, tmp_path, cap
     another = Path(_jit._writable_cache_dir())
     theirs = f"iwis-numba-{real + 1}-{_jit._code_key()}"
     assert another.is_dir() and another.name.startswith("iwis-numba-") and another.name != theirs
+
+
+def test_threads_that_make_kernels_keep_them_in_the_folder():
+    """A thread that is done does not take the folder from one that is not, nor leave it set."""
+    before, seen = numba.config.CACHE_DIR, []
+    second_began, first_ended = threading.Event(), threading.Event()
+
+    def compile_first(function):
+        second.start()
+        second_began.wait(0.2)  # it does not begin: it waits for its turn
+
+    def compile_second(function):
+        second_began.set()
+        first_ended.wait(10)
+        seen.append(numba.config.CACHE_DIR)
+
+    second = threading.Thread(target=_jit._kept, args=(compile_second, None))
+    _jit._kept(compile_first, None)
+    first_ended.set()
+    second.join(10)
+    assert seen == [_jit._CACHE_DIR]
+    assert before == numba.config.CACHE_DIR
