@@ -31,7 +31,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     paper_products, light_tree, backdrop, emission_parts, like_products, closure_columns,
     displacement
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
-    emitters, lamp_glow
+    emitters, lamp_glow, light_edges
     block_loop, reference, catchers, ray_masks,      8  UNBIASED's loop; estimators to compare with
     unbiased_rays, shader_values, roughness, seen_points
     two_stage, tile_job, scene_rays, loop_types,     9  another one; a tile's work; their rays

@@ -2,7 +2,8 @@
 
 A pixel whose neighbourhood shows one object, or nothing but the world, may end after PILOT passes;
 one near a silhouette takes at least _SILHOUETTE / E. Else a leaf that the pilot missed would be
-lost, and one that it hit would not be: thin leaves before the sky came out half as dark.
+lost, and one that it hit would not be: thin leaves before the sky came out half as dark. Edges
+between colors, and of reflections, are told by the light of the pixels around (light_edges.py).
 
 Points of several passes that are alike share a product (like_products.py), so passes are taken
 together: a window's first ones alone, for a picture at once, a render's by four, later ones by
@@ -14,6 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .light_edges import add_edges
 from .pass_rays import PILOT
 from .pass_sums import PassSums, cell_spreads, fill_spreads
 from .settings import RenderSettings
@@ -85,6 +87,7 @@ class PassPlan:
             return spread
 
         spread = own(pixels)
+        add_edges(pixels, self._cell, self._silhouettes.width, self._batch, sums, spread)
         if len(blurred_ones):
             passes, light = sums.passes[blurred_ones], sums.light[blurred_ones]
             cell = self._cell[blurred_ones]

@@ -153,11 +153,17 @@ def _pass_variance(state, p):
 
 
 @kernel(forceinline=True)
+def mean_variance(state, p):
+    """Squared standard error of the mean light of pixel p's passes."""
+    return _pass_variance(state, p) / np.float64(state.passes[p]) ** _CONVERGENCE
+
+
+@kernel(forceinline=True)
 def _light_error(state, p):
     passes, light = np.float64(state.passes[p]), state.light[p]
     if light <= 0.0:
         return np.inf if state.count[p] > 0 else 0.0
-    return np.sqrt(_pass_variance(state, p) / passes**_CONVERGENCE) * passes / light
+    return np.sqrt(mean_variance(state, p)) * passes / light
 
 
 @kernel

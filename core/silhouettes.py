@@ -15,12 +15,12 @@ _NOTHING, _WORLD, _NO_OBJECT = np.int32(-2), np.int32(-1), np.int32(0x7FFFFFFF)
 class Silhouettes:
     """What the first passes of a tile's pixels saw, row by row; 9 bytes a pixel.
 
-    blurred: bool (n,), pixels whose picture lens or motion spread
+    width: of the tile, in pixels; blurred: bool (n,), those whose picture lens or motion spread
     """
 
     def __init__(self, scene: Scene, width: int, height: int):
         n = width * height
-        self._scene, self._shape = scene, (height, width)
+        self._scene, self._shape, self.width = scene, (height, width), width
         # The least and the greatest object.
         self._least, self._greatest = np.full(n, _NO_OBJECT), np.full(n, _NOTHING)
         self.blurred = np.zeros(n, np.bool_)

@@ -69,6 +69,7 @@ class _Flat:
     """Silhouettes of a tile where some pixels are near one."""
 
     def __init__(self, near):
+        self.width = len(near)
         self._near, self.blurred = np.array(near), np.zeros(len(near), np.bool_)
 
     def near(self):
@@ -109,6 +110,38 @@ def test_no_pixel_wants_more_than_the_most():
     plan = _plan([False, True], **settings)
     found = plan.wanted(np.arange(2, dtype=np.int32), 4, _some_sums(2, np.ones(2)))
     assert found.tolist() == [6, 6]  # of 8 samples, the last of 4
+
+
+def _nine_of_two_cells(light):
+    """(plan, sums) of nine pixels in a row whose passes agree; the last four are another cell's."""
+    row = np.arange(9, dtype=np.int32)
+    cell, pixels = np.full((3, 9), -1, np.int32), row + np.int32(9)
+    cell[1] = row >= 5
+    flat = _Flat(np.zeros(27, np.bool_))
+    flat.width = 9
+    sums = _some_sums(27, np.zeros(27))
+    sums.light[9:18] = 4.0 * np.array(light)
+    sums.light_squared[9:18] = 4.0 * np.square(light)
+    settings = RenderSettings(stop_rule="PERCEPTUAL", error_threshold=0.1, max_samples=4096)
+    return PassPlan(settings, 8, False, flat, pixels, cell.ravel()), pixels, sums
+
+
+def test_pixels_beside_other_light_go_on_though_their_passes_agree():
+    """An edge between colors is where no object ends; cells do not tell of each other."""
+    plan, pixels, sums = _nine_of_two_cells([1.0, 1.0, 1.0, 0.25, 0.25, 1.0, 1.0, 1.0, 1.0])
+    wanted = plan.wanted(pixels, 4, sums)
+    assert (wanted[[0, 1, 5, 6, 7, 8]] == 4).all()
+    assert (wanted[[2, 3]] > 6).all() and (wanted[[2, 3]] < 12).all()
+    assert wanted[4] == 4  # beside a pixel of its own light, and one of another cell
+
+
+def test_noise_between_pixels_is_no_edge():
+    """Pixels that differ by no more than their passes say want what their passes say."""
+    plan, pixels, sums = _nine_of_two_cells([1.0, 1.1, 0.9, 1.05, 1.0, 1.0, 1.0, 1.0, 1.0])
+    alike, _, same = _nine_of_two_cells(np.ones(9))
+    for state in (sums, same):
+        state.light_squared[9:18] += 3.0 * 0.3**2
+    assert (plan.spreads(pixels, 45.0, sums) < 1.2 * alike.spreads(pixels, 45.0, same)).all()
 
 
 def _plates(**fields):
