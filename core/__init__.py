@@ -9,12 +9,12 @@ In the order of the data; a module imports only from groups with a smaller numbe
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, lamp_falloff, prefetch, sheen_numbers, triangle_pairs,
-    perlin, texels, element_places, oidn, subsurface, walkers, luminance,
+    near_meshes, perlin, texels, element_places, oidn, subsurface, walkers, luminance,
     lambert_kinds
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, lamp_choice, lamp_pictures, emitter_tree, sheen, toon, islands,
-    embree_hits, denoise, hair_frame,
+    closed_meshes, embree_hits, denoise, hair_frame,
     bump, stretched, lobes, cell_numbers, shapes, gabor
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,

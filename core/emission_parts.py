@@ -95,7 +95,7 @@ def parts_that_shine(
         none = np.zeros(0, int)
         return Parts(none, np.zeros((0, 3, 3), np.float32), np.zeros((0, 2, 3)), none)
     whole = Parts(*map(np.concatenate, zip(*found, strict=True)))
-    lit = powers_of_faces(whole.corners, whole.radiance) > 0.0
+    lit = powers_of_faces(whole.corners, whole.radiance).any(axis=1)
     return Parts(*(column[lit] for column in whole))
 
 

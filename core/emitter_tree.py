@@ -24,25 +24,26 @@ def areas_of(corners) -> np.ndarray:
 
 
 def powers_of_faces(corners, radiance) -> np.ndarray:
-    """float64 (n,): area times the root mean square of the channels, of both sides' mean.
+    """float64 (n, 2), of front and back: area times the root mean square of the channels.
 
     Not luminance: a blue face would be drawn so seldom that it makes specks. radiance: (n, 2, 3)
     """
-    strength = np.sqrt((radiance.astype(np.float64) ** 2).mean(axis=2)).mean(axis=1)
-    return areas_of(corners) * strength
+    strength = np.sqrt((radiance.astype(np.float64) ** 2).mean(axis=2))
+    return areas_of(corners)[:, None] * strength
 
 
-def face_tree(corners, radiance, face) -> LampFaces:
+def face_tree(corners, radiance, face, seldom) -> LampFaces:
     """The faces of one lamp. corners: float32 (n, 3, 3); radiance: float32 (n, 2, 3); face: int
-    (n,), of LampFaces"""
+    (n,), of LampFaces; seldom: float (n, 2), factors of the power of front and back"""
     order = _along_curve(corners.mean(axis=1))
-    corners, radiance, face = corners[order], radiance[order], face[order]
+    corners, radiance, face, seldom = (a[order] for a in (corners, radiance, face, seldom))
     missing = -len(corners) % BLOCK
     empty = np.repeat(corners[-1:, :1], 3, axis=1)
     corners = np.concatenate([corners, np.repeat(empty, missing, axis=0)])
     radiance = np.concatenate([radiance, np.zeros((missing, 2, 3), np.float32)])
     face = np.concatenate([face, np.repeat(face[-1:], missing)]).astype(np.int32)
-    power = powers_of_faces(corners, radiance)
+    seldom = np.concatenate([seldom, np.ones((missing, 2))])
+    power = powers_of_faces(corners, radiance) * seldom
     nodes, leaves = face_nodes(corners, power)
     radiance = np.ascontiguousarray(radiance.reshape(-1, 3))
     return LampFaces(np.ascontiguousarray(corners), power, radiance, nodes, leaves, face)
@@ -50,28 +51,40 @@ def face_tree(corners, radiance, face) -> LampFaces:
 
 def face_nodes(corners, power):
     """LampFaces.nodes and leaves of whole blocks of faces. corners: float32 (m, 3, 3); power:
-    float64 (m,)"""
+    float64 (m, 2)"""
     blocks = corners.reshape(-1, BLOCK * 3, 3).astype(np.float64)
     leaf_boxes = np.concatenate([blocks.min(axis=1), blocks.max(axis=1)], axis=1)
-    leaves, boxes, node_power = _grown(leaf_boxes, power.reshape(-1, BLOCK).sum(axis=1))
-    nodes = np.zeros((len(leaves), 8), np.float32)
+    of_blocks = _turned_powers(corners, power).reshape(-1, BLOCK, 10).sum(axis=1)
+    leaves, boxes, sums = _grown(leaf_boxes, of_blocks)
+    nodes = np.zeros((len(leaves), 16), np.float32)
     nodes[:, :3] = np.nextafter(np.float32(boxes[:, :3]), -_FAR)
     nodes[:, 3:6] = np.nextafter(np.float32(boxes[:, 3:]), _FAR)
-    nodes[:, 6] = np.clip(node_power, 1e-30, 1e30)
+    nodes[:, 6] = np.clip(sums[:, 0], 1e-30, 1e30)
+    nodes[:, 7:] = sums[:, 1:] / np.maximum(sums[:, :1], 1e-300)
     return nodes, leaves
 
 
-def _grown(leaf_boxes, leaf_power):
-    """(leaves, boxes, powers) of all nodes over the boxes of leaves, (n, 6), and their powers."""
+def _turned_powers(corners, power) -> np.ndarray:
+    """float64 (m, 10): LampFaces.nodes' columns from power on, of faces, times their power."""
+    sides = corners[:, 1:].astype(np.float64) - corners[:, :1]
+    normal = np.nan_to_num(np.cross(sides[:, 0], sides[:, 1]))
+    x, y, z = (normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)).T
+    whole, more = power.mean(axis=1), 0.5 * (power[:, 0] - power[:, 1])
+    squares = np.stack([x * x, y * y, z * z, x * y, x * z, y * z])
+    return np.concatenate([whole[None], whole * squares, more * np.stack([x, y, z])]).T
+
+
+def _grown(leaf_boxes, leaf_sums):
+    """(leaves, boxes, sums) of all nodes over the boxes of leaves, (n, 6), and their sums."""
     n = len(leaf_boxes)
     leaves = np.empty(2 * n - 1, np.int32)
-    boxes, power = np.empty((2 * n - 1, 6)), np.empty(2 * n - 1)
+    boxes, sums = np.empty((2 * n - 1, 6)), np.empty((2 * n - 1, leaf_sums.shape[1]))
     rows, first, count = np.zeros(1, np.int64), np.zeros(1, np.int64), np.full(1, n)
     inner = []
     while len(rows):
         leaves[rows] = count
         end = count == 1
-        boxes[rows[end]], power[rows[end]] = leaf_boxes[first[end]], leaf_power[first[end]]
+        boxes[rows[end]], sums[rows[end]] = leaf_boxes[first[end]], leaf_sums[first[end]]
         rows, first, count = rows[~end], first[~end], count[~end]
         half = (count + 1) // 2
         left, right = rows + 1, rows + 2 * half
@@ -81,8 +94,8 @@ def _grown(leaf_boxes, leaf_power):
     for rows, left, right in reversed(inner):
         boxes[rows, :3] = np.minimum(boxes[left, :3], boxes[right, :3])
         boxes[rows, 3:] = np.maximum(boxes[left, 3:], boxes[right, 3:])
-        power[rows] = power[left] + power[right]
-    return leaves, boxes, power
+        sums[rows] = sums[left] + sums[right]
+    return leaves, boxes, sums
 
 
 def _along_curve(places) -> np.ndarray:

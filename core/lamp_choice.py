@@ -8,8 +8,8 @@ import numpy as np
 
 from ._jit import kernel
 from .lamp_falloff import falloff_at
-from .lamp_meshes import is_near_mesh
 from .lamps import BEAM, MESH, ROUND_BEAM, SUN, Lamps
+from .near_meshes import is_near_mesh
 
 # Up to so many lamps all are sampled; of more, so many at each point.
 ALL_LAMPS, CHOSEN_LAMPS = 16, 8

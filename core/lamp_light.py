@@ -28,7 +28,6 @@ from .brdf import (
 )
 from .lamp_choice import ALL_LAMPS, CHOSEN_LAMPS, is_met, powers_of, share_out
 from .lamp_falloff import falloff_at
-from .lamp_meshes import near_meshes
 from .lamp_pictures import tint_at
 from .lamp_shapes import meet_lamp, sample_lamp
 from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, Lamps
@@ -36,6 +35,7 @@ from .lobes import DIFFUSE_LOBE, Lobes
 from .lobes_at import lobes_at
 from .luminance import luminance
 from .microfacet import MIN_ALPHA
+from .near_meshes import near_meshes
 from .pixel_filter import LAMPS, point_of_pixel
 from .scene import ROUND
 from .shading import ShadingPoints

@@ -29,10 +29,12 @@ BLOCK = 4  # faces of a MESH that have a box around them
 class LampFaces(NamedTuple):
     """Triangles of lamps of kind MESH: whole blocks of BLOCK rows each, filled up by empty ones.
 
-    corners: float32 (m, 3, 3), world space; power: float64 (m,), area x strength, 0 = never drawn
-    radiance: float32 (2 m, 3), of a face's front, from where its corners turn left, and its back
-    nodes: float32 (k, 8), of the lamps' trees (emitter_tree.py): lowest and highest corner,
-        power, 0; leaves: int32 (k,), blocks in each
+    corners: float32 (m, 3, 3), world space; power: float64 (m, 2), area x strength of a face's
+        front, from where its corners turn left, and its back, 0 = never drawn
+    radiance: float32 (2 m, 3), of each face's front and back
+    nodes: float32 (k, 16), of the lamps' trees (emitter_tree.py): lowest and highest corner, power
+        (mean of both sides), and how it is turned: the mean of n n^T (xx, yy, zz, xy, xz, yz) and
+        of half of n (front - back) over power; leaves: int32 (k,), blocks in each
     face: int32 (m,), the triangle of TriangleMesh that each is, or is a part of
     """
 
@@ -46,9 +48,9 @@ class LampFaces(NamedTuple):
 
 NO_FACES = LampFaces(
     np.zeros((0, 3, 3), np.float32),
-    np.zeros(0),
+    np.zeros((0, 2)),
     np.zeros((0, 3), np.float32),
-    np.zeros((0, 8), np.float32),
+    np.zeros((0, 16), np.float32),
     np.zeros(0, np.int32),
     np.zeros(0, np.int32),
 )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .emitter_tree import face_nodes, powers_of_faces
+from .emitter_tree import areas_of, face_nodes
 from .lamps import MESH, Lamps
 from .object_motion import Pose
 from .scene import Scene
@@ -39,7 +39,9 @@ def posed_lamps(scene: Scene, pose: Pose) -> Lamps:
         return lamps
     corners = lamps.faces.corners.copy()
     corners[which] = _carried(scene, pose, lamps.faces.face[which], corners[which])
-    power = powers_of_faces(corners, lamps.faces.radiance.reshape(-1, 2, 3))
+    before, now = areas_of(lamps.faces.corners), areas_of(corners)
+    grown = np.divide(now, before, out=np.zeros_like(now), where=before > 0.0)
+    power = lamps.faces.power * grown[:, None]
     nodes, position, size = lamps.faces.nodes.copy(), lamps.position.copy(), lamps.size.copy()
     for row in np.flatnonzero(lamps.kind == MESH):
         first, end, root = lamps.span[row]

@@ -20,11 +20,13 @@ from .scene import Scene
 from .seen_points import ClosureLayer, SeenPoints
 from .settings import RenderSettings
 
-# Shadow rays to lamps with a size that one shading point takes in a pass, while they are few.
-_RAYS_OF_A_PASS, _MOST_OF_A_PASS = 8, 4
+# Shadow rays to lamps with a size that one shading point takes in a pass, while they are few: to
+# all, and to one. A mesh is many lamps, of which each sample takes another.
+_RAYS_OF_A_PASS, _MOST_OF_A_PASS, _MOST_OF_A_MESH = 8, 4, 8
 # Samples of each such lamp where a pixel has one shading point: so many, and so many in all where
-# the standard error of the mean is a greater part of it than this.
+# the standard error of the mean is a greater part of it than this. Of a mesh more.
 _FIRST, _MOST, _SURE = 16, 64, 0.05
+_TIMES_OF_A_MESH = 4
 
 
 class _Layers(NamedTuple):
@@ -54,9 +56,21 @@ class _Lit(NamedTuple):
     of: np.ndarray
 
 
+def _few(lamps: int) -> int:
+    """Of _RAYS_OF_A_PASS, a power of two for each of so many lamps, one at the least."""
+    return 1 << (max(_RAYS_OF_A_PASS // max(int(lamps), 1), 1).bit_length() - 1)
+
+
 def _groups(lamps: Lamps) -> list[_Group]:
     links = np.unique(lamps.link)
     return [_Group(lamps.at(lamps.link == link), int(link)) for link in links]
+
+
+class _Soft(NamedTuple):
+    """Lamps with a size, of which a round takes a sample each, and meshes, of which several."""
+
+    others: list
+    meshes: list
 
 
 class TileLamps:
@@ -75,8 +89,10 @@ class TileLamps:
         self._light = np.zeros((n if self._any else 0, self._columns))
         self._count = np.zeros(len(self._light), np.int32)
         # Powers of two: blocks of the sequence that fill a lamp evenly.
-        few = max(_RAYS_OF_A_PASS // max(int(soft.sum()), 1), 1)
-        self._of_a_pass = min(1 << (few.bit_length() - 1), _MOST_OF_A_PASS)
+        count, meshes = soft.sum(), (scene.lamps.kind == MESH).sum()
+        self._of_a_pass = min(_few(count), _MOST_OF_A_PASS)
+        own = _MOST_OF_A_MESH if meshes == count else _MOST_OF_A_PASS
+        self._times = max(min(own, _few(meshes)) // self._of_a_pass, 1)
         self.traced = 0
 
     def look_at(self, accel: Accel, lamps: Lamps) -> None:
@@ -88,8 +104,10 @@ class TileLamps:
     def _take(self, lamps: Lamps) -> None:
         self._lamps = lamps
         if self._any:
-            soft = is_soft(lamps)
-            self._soft, self._hard = (_groups(lamps.at(own)) for own in (soft, ~soft))
+            soft, mesh = is_soft(lamps), lamps.kind == MESH
+            kinds = soft & ~mesh, mesh, ~soft
+            others, meshes, self._hard = (_groups(lamps.at(own)) for own in kinds)
+            self._soft = _Soft(others, meshes)
 
     def add_pass(self, layers: list[ClosureLayer], places, number, sums) -> None:
         """Add points of passes to their pixels, and their light to what the stop rule sees of it.
@@ -102,9 +120,9 @@ class TileLamps:
             return
         pixel, count = layers[0].seen.points.pixel, self._of_a_pass
         light = np.zeros((len(pixel), self._columns))
-        soft = self._lit(layers, self._soft, self._accel)
+        soft = self._soft_lit(layers, self._soft, self._accel)
         for k in range(count):
-            self._add(soft, places, number * count + k, light)
+            self._add_round(soft, places, number * count + k, self._times, light)
         light /= count
         self._add(self._lit(layers, self._hard, self._accel), places, number, light)
         _add_to_pixels(pixel, light, count, self._light, self._count)
@@ -142,10 +160,10 @@ class TileLamps:
     def _settled(self, layers, places, first, end) -> np.ndarray:
         """float64 (n, columns + 1): sums of samples first ... end - 1, last their _squared."""
         sums = np.zeros((len(places[0]), self._columns + 1))
-        soft = self._lit(layers, self._soft, self._accel)
+        soft = self._soft_lit(layers, self._soft, self._accel)
         for k in range(first, end):
             light = np.zeros((len(sums), self._columns))
-            self._add(soft, places, k, light)
+            self._add_round(soft, places, k, _TIMES_OF_A_MESH, light)
             sums[:, :-1] += light
             sums[:, -1] += _squared(light)
         return sums
@@ -163,6 +181,19 @@ class TileLamps:
                     seen, of = seen.at(which), of[which]
                 found.append(_Lit(lamps, blocking, seen, of))
         return found
+
+    def _soft_lit(self, layers, soft: _Soft, accel) -> _Soft:
+        return _Soft(*(self._lit(layers, groups, accel) for groups in soft))
+
+    def _add_round(self, soft: _Soft, places, number, times: int, light) -> None:
+        """Add a sample of each lamp with a size, and the mean of ``times`` ones of each mesh."""
+        self._add(soft.others, places, number, light)
+        if not soft.meshes:
+            return
+        of_meshes = np.zeros_like(light)
+        for k in range(times):
+            self._add(soft.meshes, places, number * times + k, of_meshes)
+        light += of_meshes / times
 
     def _add(self, every: list[_Lit], places, number, light) -> None:
         apart = 0 if self._settings.decorrelation == "NONE" else 1
@@ -193,11 +224,11 @@ class TileLamps:
         found = []
         for others in (True, False):  # with the same numbers: a share of 1 has no noise
             light = np.zeros((len(sums.count), COLUMNS))
-            soft, hard = (
-                self._lit(layers, _alone(own, others), accel) for own in (self._soft, self._hard)
-            )
+            alone = _Soft(*(_alone(own, others) for own in self._soft))
+            soft = self._soft_lit(layers, alone, accel)
+            hard = self._lit(layers, _alone(self._hard, others), accel)
             for k in range(count):
-                self._add(soft, places, number * count + k, light)
+                self._add_round(soft, places, number * count + k, self._times, light)
             light /= count
             self._add(hard, places, number, light)
             found.append(light[:, :UNOCCLUDED] * np.maximum(sums.count, 1)[:, None])
