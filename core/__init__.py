@@ -25,11 +25,11 @@ In the order of the data; a module imports only from groups with a smaller numbe
     sample_plan, sample_order, measured, lobe_setup, embree_instances, hair_cells,
     hair_setup, bevel
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
-    light_rays, paper_tables, light_cells, lamp_light, pass_rays, moving_accel,
+    light_rays, paper_tables, light_cells, lamp_rays, pass_rays, moving_accel,
     moved_accel, surface_numbers, near_rays, pixel_motion, random_walk
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree, backdrop, emission_parts, like_products, closure_columns,
-    displacement
+    displacement, lamp_light
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
     emitters, lamp_glow, light_edges
     block_loop, reference, catchers, ray_masks,      8  UNBIASED's loop; estimators to compare with

@@ -11,13 +11,12 @@ sample 0, 1, 2 ... of a pixel fill each lamp evenly and a picture depends on not
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from ._jit import kernel
-from .accel import Accel, start_shadow_ray
+from .accel import Accel
 from .brdf import (
     eval_at,
     pdf_at,
@@ -29,6 +28,7 @@ from .brdf import (
 from .lamp_choice import ALL_LAMPS, CHOSEN_LAMPS, is_met, powers_of, share_out
 from .lamp_falloff import falloff_at
 from .lamp_pictures import tint_at
+from .lamp_rays import COLUMNS, UNOCCLUDED, LampRays, add_rays, aim, bring, column_of
 from .lamp_shapes import meet_lamp, sample_lamp
 from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, Lamps
 from .lobes import DIFFUSE_LOBE, Lobes
@@ -42,9 +42,6 @@ from .shading import ShadingPoints
 from .toon import is_toon
 from .turns import aside
 
-# Columns of a point's light: (r, g, b) by the diffuse lobe, by the glossy one, and the luminance of
-# all, were nothing between the lamps and the point. What follows is (r, g, b) of each light group.
-UNOCCLUDED, COLUMNS = 6, 7
 # Lobes of a greater alpha leave lamps to the lamps' own samples, but for faces that are near.
 _NARROW = np.float32(0.3)
 _CAPACITY = 8192  # rays that are traced together
@@ -52,56 +49,23 @@ _BSDF_SALT, _CHOICE_SALT, _LAMP_SALT = LAMPS, LAMPS + 3, LAMPS + 6
 _ZERO, _ROUND = np.float32(0.0), np.float32(ROUND)
 
 
-class LampRays(NamedTuple):
-    """Shadow rays to lamps, float32 but point and lamp.
-
-    origins, directions: (capacity, 3); reach: (capacity,), metres; point, lamp: int32 (capacity,)
-    light: (capacity, COLUMNS), what each brings
-    """
-
-    origins: np.ndarray
-    directions: np.ndarray
-    reach: np.ndarray
-    point: np.ndarray
-    lamp: np.ndarray
-    light: np.ndarray
-
-
 class LampSamples(NamedTuple):
-    """Which numbers a round takes.
+    """Which numbers the samples take.
 
     columns, rows, number: int64 (n,), the points' pixels in the frame, the number of each
+    count: how many samples: number x count, and those that follow
     """
 
     columns: np.ndarray
     rows: np.ndarray
     number: np.ndarray
     seed: int
+    count: int = 1
 
 
 @kernel(forceinline=True)
 def _float64(vectors, p):
     return np.float64(vectors[p, 0]), np.float64(vectors[p, 1]), np.float64(vectors[p, 2])
-
-
-@kernel(forceinline=True)
-def _aim(points, p, target, far, lifted, offset, rays, n):
-    """Write ray n from point p along the unit vector ``target`` to a lamp ``far`` away."""
-    wx, wy, wz = target
-    x, y, z = np.float32(wx), np.float32(wy), np.float32(wz)
-    if not start_shadow_ray(points, p, x, y, z, lifted, offset, rays.origins, n):
-        return False
-    if far < 1e15:
-        wx = points.position[p, 0] + wx * far - np.float64(rays.origins[n, 0])
-        wy = points.position[p, 1] + wy * far - np.float64(rays.origins[n, 1])
-        wz = points.position[p, 2] + wz * far - np.float64(rays.origins[n, 2])
-        far = math.sqrt(wx * wx + wy * wy + wz * wz)
-        wx, wy, wz = wx / far, wy / far, wz / far
-        # Not as far as a ceiling in whose plane the lamp lies.
-        far -= max(1e-5 * far, np.float64(offset))
-    rays.directions[n, 0], rays.directions[n, 1], rays.directions[n, 2] = wx, wy, wz
-    rays.reach[n] = max(far, 0.0)
-    return True
 
 
 @kernel(forceinline=True)
@@ -141,31 +105,14 @@ def _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays,
     )
     if not lamps.shadow[i]:
         sums[p, UNOCCLUDED] += light[n, UNOCCLUDED]
-        column = _column_of(lamps.group[i], sums)
+        column = column_of(lamps.group[i], sums)
         for color in range(3):
-            _bring(column, color, light, n, sums, p)
+            bring(column, color, light, n, sums, p)
         return n
-    if not _aim(points, p, wi, far, lifted, offset, rays, n):
+    if not aim(points, p, wi, far, lifted, offset, rays, n):
         return n
     rays.point[n], rays.lamp[n] = p, i
     return n + 1
-
-
-@kernel(forceinline=True)
-def _column_of(group, sums):
-    """First column of a light group in sums; 0 where it has none."""
-    if sums.shape[1] == COLUMNS or group < 0:
-        return 0
-    return COLUMNS + 3 * group
-
-
-@kernel(forceinline=True)
-def _bring(column, color, light, n, sums, p):
-    """Add a color of row n of light to point p, and to the columns of a light group."""
-    sums[p, color] += light[n, color]
-    sums[p, 3 + color] += light[n, 3 + color]
-    if column > 0:
-        sums[p, column + color] += light[n, color] + light[n, 3 + color]
 
 
 @kernel(forceinline=True)
@@ -221,68 +168,73 @@ def _by_lobe(at, points, p, lamps, shares, follows, u, v, offset, rays, n, sums)
     return n
 
 
+@kernel(forceinline=True)
+def _draw_one(at, points, p, lamps, shares, follows, choose, place, offset, rays, n, sums):
+    """Write a sample of point p as rays; returns the next n. place: of its numbers"""
+    n_lamps, start = len(shares), 0.0
+    if choose:
+        start, _ = point_of_pixel(place, _CHOICE_SALT)
+    i, passed = 0, shares[0]
+    for k in range(CHOSEN_LAMPS if choose else n_lamps):
+        if choose:
+            while passed <= start + k and i < n_lamps - 1:
+                i += 1
+                passed += shares[i]
+        else:
+            i = k
+        if shares[i] > 0.0:
+            a, b = point_of_pixel(place, _LAMP_SALT + 3 * k)
+            own = at, points, p, lamps, i, shares[i], follows, a, b
+            n = _to_lamp(*own, offset, rays, n, sums)
+    if follows[0] or follows[1]:
+        u, v = point_of_pixel(place, _BSDF_SALT)
+        n = _by_lobe(at, points, p, lamps, shares, follows, u, v, offset, rays, n, sums)
+    return n
+
+
 @kernel
 def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, sums):
-    """Write a sample of points from ``first`` on: (the next point, number of rays)."""
-    n, p, n_lamps = 0, first, len(powers)
-    choose = n_lamps > ALL_LAMPS
-    count = CHOSEN_LAMPS if choose else n_lamps
+    """Write the samples of points from ``first`` on: (the next point, number of rays)."""
+    n, p, choose, count = 0, first, len(powers) > ALL_LAMPS, samples.count
+    most = count * _most_rays(len(powers))
     shares[:] = 1.0
-    while p < len(points.pixel) and n + count + n_lamps <= len(rays.reach):
+    while p < len(points.pixel) and n + most <= len(rays.reach):
         at = lobes_at(lobes, p)
         if at.kind == 0:
             p += 1
             continue
-        place = samples.columns[p], samples.rows[p], samples.number[p], samples.seed
         sharp = (at.kind > DIFFUSE_LOBE or is_toon(at.rough)) and at.alpha < _NARROW
         near = at.rough[3] >= _ZERO and near_meshes(lamps, points.position, p)
-        follows = sharp, near
-        start = 0.0
         if choose:
             share_out(lamps, powers, points, p, shares)
-            start, _ = point_of_pixel(place, _CHOICE_SALT)
-        i, passed = 0, shares[0]
         for k in range(count):
-            if choose:
-                while passed <= start + k and i < n_lamps - 1:
-                    i += 1
-                    passed += shares[i]
-            else:
-                i = k
-            if shares[i] > 0.0:
-                a, b = point_of_pixel(place, _LAMP_SALT + 3 * k)
-                own = at, points, p, lamps, i, shares[i], follows, a, b
-                n = _to_lamp(*own, offset, rays, n, sums)
-        if sharp or near:
-            u, v = point_of_pixel(place, _BSDF_SALT)
-            n = _by_lobe(at, points, p, lamps, shares, follows, u, v, offset, rays, n, sums)
+            number = samples.number[p] * count + k
+            place = samples.columns[p], samples.rows[p], number, samples.seed
+            own = at, points, p, lamps, shares, (sharp, near), choose, place
+            n = _draw_one(*own, offset, rays, n, sums)
         p += 1
     return p, n
 
 
-@kernel
-def _add(lamps, rays, n, blocked, sums):
-    for k in range(n):
-        p = rays.point[k]
-        column = _column_of(lamps.group[rays.lamp[k]], sums)
-        sums[p, UNOCCLUDED] += rays.light[k, UNOCCLUDED]
-        for color in range(3):
-            if not (blocked[k] >> color) & 1:
-                _bring(column, color, rays.light, k, sums, p)
+@kernel(forceinline=True)
+def _most_rays(n_lamps):
+    """Of one sample of a point: to lamps, and along the BSDF to each."""
+    return (CHOSEN_LAMPS if n_lamps > ALL_LAMPS else n_lamps) + n_lamps
 
 
 @aside()
 def add_lamp_light(
     points: ShadingPoints, lobes: Lobes, lamps: Lamps, accel: Accel, samples: LampSamples, sums
 ) -> int:
-    """Add one sample of every lamp to each point; returns how many shadow rays were traced.
+    """Add samples of every lamp to each point; returns how many shadow rays were traced.
 
     sums: float64 (n, COLUMNS or more), radiance, added to
     """
     n_lamps = len(lamps.kind)
     if not n_lamps or not len(points.pixel):
         return 0
-    capacity = max(min(_CAPACITY, 2 * n_lamps * len(points.pixel)), 2 * n_lamps + CHOSEN_LAMPS)
+    most = samples.count * _most_rays(n_lamps)
+    capacity = max(min(_CAPACITY, most * len(points.pixel)), most)
     rays = LampRays(
         *(np.empty((capacity, 3), np.float32) for _ in range(2)),
         np.empty(capacity, np.float32),
@@ -295,6 +247,6 @@ def add_lamp_light(
         own = points, lobes, lamps, powers, shares, samples, offset, first
         first, n = _draw(*own, rays, sums)
         own = rays.origins[:n], rays.directions[:n], np.empty(n, np.uint8), rays.reach[:n]
-        _add(lamps, rays, n, accel.occluded(*own, rays.lamp[:n]), sums)
+        add_rays(lamps, rays, n, accel.occluded(*own, rays.lamp[:n]), sums)
         traced += n
     return traced

@@ -13,7 +13,8 @@ import numpy as np
 from ._jit import kernel
 from .accel import Accel
 from .incremental import PixelSums
-from .lamp_light import COLUMNS, UNOCCLUDED, LampSamples, add_lamp_light
+from .lamp_light import LampSamples, add_lamp_light
+from .lamp_rays import COLUMNS, UNOCCLUDED
 from .lamps import MESH, Lamps, is_soft
 from .pass_sums import PassSums
 from .scene import Scene
@@ -90,9 +91,8 @@ class TileLamps:
         self._count = np.zeros(len(self._light), np.int32)
         # Powers of two: blocks of the sequence that fill a lamp evenly.
         count, meshes = soft.sum(), (scene.lamps.kind == MESH).sum()
-        self._of_a_pass = min(_few(count), _MOST_OF_A_PASS)
-        own = _MOST_OF_A_MESH if meshes == count else _MOST_OF_A_PASS
-        self._times = max(min(own, _few(meshes)) // self._of_a_pass, 1)
+        most = _MOST_OF_A_MESH if meshes == count else _MOST_OF_A_PASS
+        self._of_a_pass = min(_few(count), _MOST_OF_A_PASS), min(_few(meshes), most)
         self.traced = 0
 
     def look_at(self, accel: Accel, lamps: Lamps) -> None:
@@ -118,13 +118,13 @@ class TileLamps:
         """
         if not self._any:
             return
-        pixel, count = layers[0].seen.points.pixel, self._of_a_pass
+        pixel = layers[0].seen.points.pixel
         light = np.zeros((len(pixel), self._columns))
         soft = self._soft_lit(layers, self._soft, self._accel)
-        for k in range(count):
-            self._add_round(soft, places, number * count + k, self._times, light)
-        light /= count
+        self._add_soft(soft, places, number, self._of_a_pass, light)
         self._add(self._lit(layers, self._hard, self._accel), places, number, light)
+        own = (n for n, lit in zip(self._of_a_pass, soft, strict=True) if lit)
+        count = min(own, default=self._of_a_pass[0])
         _add_to_pixels(pixel, light, count, self._light, self._count)
         _show(light, sums)
 
@@ -163,7 +163,7 @@ class TileLamps:
         soft = self._soft_lit(layers, self._soft, self._accel)
         for k in range(first, end):
             light = np.zeros((len(sums), self._columns))
-            self._add_round(soft, places, k, _TIMES_OF_A_MESH, light)
+            self._add_soft(soft, places, k, (1, _TIMES_OF_A_MESH), light)
             sums[:, :-1] += light
             sums[:, -1] += _squared(light)
         return sums
@@ -185,22 +185,20 @@ class TileLamps:
     def _soft_lit(self, layers, soft: _Soft, accel) -> _Soft:
         return _Soft(*(self._lit(layers, groups, accel) for groups in soft))
 
-    def _add_round(self, soft: _Soft, places, number, times: int, light) -> None:
-        """Add a sample of each lamp with a size, and the mean of ``times`` ones of each mesh."""
-        self._add(soft.others, places, number, light)
-        if not soft.meshes:
-            return
-        of_meshes = np.zeros_like(light)
-        for k in range(times):
-            self._add(soft.meshes, places, number * times + k, of_meshes)
-        light += of_meshes / times
+    def _add_soft(self, soft: _Soft, places, number, counts, light) -> None:
+        """Add the means of samples. counts: of a lamp with a size, and of a mesh"""
+        for every, count in zip(soft, counts, strict=True):
+            if every:
+                own = np.zeros_like(light)
+                self._add(every, places, number, own, count)
+                light += own / count
 
-    def _add(self, every: list[_Lit], places, number, light) -> None:
+    def _add(self, every: list[_Lit], places, number, light, count: int = 1) -> None:
         apart = 0 if self._settings.decorrelation == "NONE" else 1
         for lamps, blocking, seen, of in every:
             columns, rows = (apart * place[of].astype(np.int64) for place in places)
             own = np.broadcast_to(number, len(places[0]))[of].astype(np.int64)
-            samples = LampSamples(columns, rows, own, self._settings.seed)
+            samples = LampSamples(columns, rows, own, self._settings.seed, count)
             part = np.zeros((len(of), light.shape[1]))
             given = seen.points, seen.lobes, lamps, blocking, samples, part
             self.traced += add_lamp_light(*given)
@@ -216,9 +214,9 @@ class TileLamps:
     def caught_at_once(self, layers, places, sums: PixelSums) -> PixelSums:
         """The same, once and for all, of pixels with one shading point."""
         most = min(max(self._settings.max_samples, 1), _MOST)
-        return self._caught(layers, places, 0, most, self._accel, sums)
+        return self._caught(layers, places, 0, (most, most), self._accel, sums)
 
-    def _caught(self, layers, places, number, count, accel, sums) -> PixelSums:
+    def _caught(self, layers, places, number, counts, accel, sums) -> PixelSums:
         if not self._any or not len(sums.count):
             return sums
         found = []
@@ -227,9 +225,7 @@ class TileLamps:
             alone = _Soft(*(_alone(own, others) for own in self._soft))
             soft = self._soft_lit(layers, alone, accel)
             hard = self._lit(layers, _alone(self._hard, others), accel)
-            for k in range(count):
-                self._add_round(soft, places, number * count + k, self._times, light)
-            light /= count
+            self._add_soft(soft, places, number, counts, light)
             self._add(hard, places, number, light)
             found.append(light[:, :UNOCCLUDED] * np.maximum(sums.count, 1)[:, None])
         lit, whole = found
