@@ -8,9 +8,9 @@ In the order of the data; a module imports only from groups with a smaller numbe
     compile_apart, rows, turns, asked_passes, bake_points
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
-    pace, lamp_areas, lamp_meshes, lamp_falloff, prefetch, sheen_numbers, triangle_pairs,
-    near_meshes, perlin, texels, element_places, oidn, subsurface, walkers, luminance,
-    lambert_kinds
+    pace, lamp_areas, lamp_meshes, lamp_falloff, lamp_cones, prefetch, sheen_numbers,
+    triangle_pairs, near_meshes, perlin, texels, element_places, oidn, subsurface, walkers,
+    luminance, lambert_kinds
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, lamp_choice, lamp_pictures, emitter_tree, sheen, toon, islands,

@@ -7,12 +7,17 @@ import math
 import numpy as np
 
 from ._jit import kernel
+from .lambert_kinds import HAIR
+from .lamp_cones import cone_factor
 from .lamp_falloff import falloff_at
 from .lamps import BEAM, MESH, ROUND_BEAM, SUN, Lamps
+from .lobes import DIFFUSE_LOBE
 from .near_meshes import is_near_mesh
 
 # Up to so many lamps all are sampled; of more, so many at each point.
 ALL_LAMPS, CHOSEN_LAMPS = 16, 8
+_LEAST_COSINE, _QUARTER = 0.1, 0.5 * math.pi
+_NO_CONE = np.float32(-1.5)
 _ZERO = np.float32(0.0)
 
 
@@ -41,11 +46,43 @@ def _falloff(lamps, i, far):
 
 
 @kernel(forceinline=True)
-def _importance(lamps, powers, i, px, py, pz):
+def _cosine(at, x, y, z, width, far):
+    """About the cosine at a surface, of a lamp that is so wide, at (x, y, z) from there; 0 only
+    where all of it is below. What gloss, which asks for none, has of it is not nothing.
+
+    at: LobesAt; what is glossy may have another normal, hair none
+    """
+    if at.rough[3] <= HAIR:
+        return 1.0
+    height = at.normal[0] * x + at.normal[1] * y + at.normal[2] * z
+    if at.kind > DIFFUSE_LOBE:
+        m = at.glossy_normal
+        height = max(height, m[0] * x + m[1] * y + m[2] * z)
+    if height + width <= 0.0:
+        return 0.0
+    return max(min((height + width) / max(far, 1e-12), 1.0), _LEAST_COSINE)
+
+
+@kernel(forceinline=True)
+def _towards(lamps, i, x, y, z, width, far):
+    """About what lamp i shines towards (x, y, z), so far from its middle, of what it does along its
+    axis; 0 only for one without size, whose cone ends before."""
+    share = 1.0
+    if lamps.size[i, 1] > _ZERO:
+        f = lamps.forward
+        share = min((x * f[i, 0] + y * f[i, 1] + z * f[i, 2] + width) / max(far, 1e-12), 1.0)
+    elif lamps.cone[i, 0] > _NO_CONE:
+        share = cone_factor(lamps, i, -x, -y, -z)
+    return max(share, _LEAST_COSINE) if width > 0.0 else share
+
+
+@kernel(forceinline=True)
+def _importance(lamps, powers, i, px, py, pz, at):
     """What lamp i may bring to a point; 0 only where it brings nothing."""
     kind = lamps.kind[i]
     if kind == SUN:
-        return powers[i]
+        x, y, z = -lamps.forward[i, 0], -lamps.forward[i, 1], -lamps.forward[i, 2]
+        return powers[i] * _cosine(at, x, y, z, math.sin(min(lamps.size[i, 0], _QUARTER)), 1.0)
     x = px - np.float64(lamps.position[i, 0])
     y = py - np.float64(lamps.position[i, 1])
     z = pz - np.float64(lamps.position[i, 2])
@@ -55,19 +92,22 @@ def _importance(lamps, powers, i, px, py, pz):
     if kind == BEAM or kind == ROUND_BEAM:
         height = x * f[i, 0] + y * f[i, 1] + z * f[i, 2]
         return powers[i] * _falloff(lamps, i, height)
-    radius = 0.5 * np.float64(max(lamps.size[i, 0], lamps.size[i, 1]))
+    width, height = np.float64(lamps.size[i, 0]), np.float64(lamps.size[i, 1])
+    radius = 0.5 * max(width, height)
     squared = max(x * x + y * y + z * z, max(radius * radius, 1e-12))
-    return powers[i] / squared * _falloff(lamps, i, math.sqrt(squared))
+    far = math.sqrt(squared)
+    share = _falloff(lamps, i, far) * _cosine(at, -x, -y, -z, width + height, far)
+    return powers[i] / squared * share * _towards(lamps, i, x, y, z, width + height, far)
 
 
 @kernel(forceinline=True)
-def share_out(lamps, powers, points, p, shares):
-    """Write how many samples each lamp may expect at point p."""
+def share_out(lamps, powers, points, p, at, shares):
+    """Write how many samples each lamp may expect at point p. at: LobesAt of it."""
     place = points.position
     px, py, pz = np.float64(place[p, 0]), np.float64(place[p, 1]), np.float64(place[p, 2])
     total = 0.0
     for i in range(len(powers)):
-        shares[i] = _importance(lamps, powers, i, px, py, pz)
+        shares[i] = _importance(lamps, powers, i, px, py, pz, at)
         total += shares[i]
     for i in range(len(powers)):
         shares[i] = shares[i] * CHOSEN_LAMPS / total if total > 0.0 else 0.0

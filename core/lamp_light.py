@@ -206,7 +206,7 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
         sharp = (at.kind > DIFFUSE_LOBE or is_toon(at.rough)) and at.alpha < _NARROW
         near = at.rough[3] >= _ZERO and near_meshes(lamps, points.position, p)
         if choose:
-            share_out(lamps, powers, points, p, shares)
+            share_out(lamps, powers, points, p, at, shares)
         for k in range(count):
             number = samples.number[p] * count + k
             place = samples.columns[p], samples.rows[p], number, samples.seed

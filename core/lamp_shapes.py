@@ -13,6 +13,7 @@ import numpy as np
 
 from ._jit import kernel
 from .lamp_areas import meet_area, sample_area, sample_beam
+from .lamp_cones import cone_factor
 from .lamp_meshes import meet_mesh, sample_mesh
 from .lamps import BEAM, DISC, MESH, ROUND_BEAM, SPHERE, SUN
 
@@ -58,23 +59,6 @@ def _center(lamps, i, px, py, pz):
 
 
 @kernel(forceinline=True)
-def _cone_factor(lamps, i, dx, dy, dz):
-    """What a spot's cone lets through towards a point that sees the lamp along (dx, dy, dz)."""
-    edge = np.float64(lamps.cone[i, 0])
-    if edge < -1.5:
-        return 1.0
-    m = lamps.to_cone
-    x = -(m[i, 0, 0] * dx + m[i, 0, 1] * dy + m[i, 0, 2] * dz)
-    y = -(m[i, 1, 0] * dx + m[i, 1, 1] * dy + m[i, 1, 2] * dz)
-    z = -(m[i, 2, 0] * dx + m[i, 2, 1] * dy + m[i, 2, 2] * dz)
-    inside = -z / math.sqrt(max(x * x + y * y + z * z, 1e-60)) - edge
-    if inside <= 0.0:
-        return 0.0
-    t = min(inside * np.float64(lamps.cone[i, 1]), 1.0)
-    return t * t * (3.0 - 2.0 * t)
-
-
-@kernel(forceinline=True)
 def _sun_spread(lamps, i):
     """1 - cos of half a sun's angle."""
     sine = math.sin(0.5 * np.float64(lamps.size[i, 0]))
@@ -108,7 +92,7 @@ def _sample_sphere(lamps, i, px, py, pz, nx, ny, nz, a, b):
     cx, cy, cz, squared = _center(lamps, i, px, py, pz)
     radius = np.float64(lamps.size[i, 0])
     if radius == 0.0:
-        factor = _cone_factor(lamps, i, cx, cy, cz) / squared
+        factor = cone_factor(lamps, i, cx, cy, cz) / squared
         return cx, cy, cz, math.sqrt(squared), factor, 1.0
     radius2 = radius * radius
     if squared <= radius2:
@@ -121,7 +105,7 @@ def _sample_sphere(lamps, i, px, py, pz, nx, ny, nz, a, b):
     far = _to_sphere(dx * cx + dy * cy + dz * cz, squared, radius2)
     if far < 0.0:  # the rim of the cone, by rounding
         far = math.sqrt(max(squared - radius2, 0.0))
-    factor = 1.0 if squared <= radius2 else _cone_factor(lamps, i, dx, dy, dz)
+    factor = 1.0 if squared <= radius2 else cone_factor(lamps, i, dx, dy, dz)
     return dx, dy, dz, far, factor, pdf
 
 
@@ -137,7 +121,7 @@ def _sample_disc(lamps, i, px, py, pz, a, b):
     cx, cy, cz, squared = _center(lamps, i, px, py, pz)
     radius, height = np.float64(lamps.size[i, 0]), math.sqrt(squared)
     if radius == 0.0:
-        return cx, cy, cz, height, _cone_factor(lamps, i, cx, cy, cz) / squared, 1.0
+        return cx, cy, cz, height, cone_factor(lamps, i, cx, cy, cz) / squared, 1.0
     r, phi = radius * math.sqrt(a), _TWO_PI * b
     far = math.sqrt(squared + r * r)
     scale = 1.0 / far
@@ -145,7 +129,7 @@ def _sample_disc(lamps, i, px, py, pz, a, b):
         cx, cy, cz, scale * r * math.cos(phi), scale * r * math.sin(phi), scale * height
     )
     pdf = far * far * far / (height * math.pi * radius * radius)
-    return dx, dy, dz, far, _cone_factor(lamps, i, dx, dy, dz), pdf
+    return dx, dy, dz, far, cone_factor(lamps, i, dx, dy, dz), pdf
 
 
 @kernel
@@ -200,14 +184,14 @@ def _meet_ball(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz):
         height = math.sqrt(squared)
         far = height / cosine
         pdf = far * far * far / (height * math.pi * radius2)
-        return far, _cone_factor(lamps, i, dx, dy, dz), pdf
+        return far, cone_factor(lamps, i, dx, dy, dz), pdf
     far = _to_sphere(cosine, squared, radius2)
     if far <= 0.0:
         return 0.0, 0.0, 0.0
     if squared <= radius2:
         return far, 1.0, max(dx * nx + dy * ny + dz * nz, 1e-9) / math.pi
     pdf = 1.0 / (_TWO_PI * _one_minus_cos(radius2 / squared))
-    return far, _cone_factor(lamps, i, dx, dy, dz), pdf
+    return far, cone_factor(lamps, i, dx, dy, dz), pdf
 
 
 @kernel

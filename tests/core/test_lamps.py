@@ -272,6 +272,36 @@ def test_many_lamps_are_chosen_from_without_bias():
         assert t_p_value(found, 1.05 * expected) < 1e-3
 
 
+def _turned_spots(rng, count):
+    """Rows of spots without size over the floor, 34 degrees wide each way, at places on it."""
+    rows = []
+    for _ in range(count):
+        position = rng.uniform((-3.0, -3.0, 0.5), (3.0, 3.0, 3.0))
+        forward = rng.uniform((-3.0, -3.0, 0.0), (3.0, 3.0, 0.0)) - position
+        forward /= np.linalg.norm(forward)
+        right = np.cross(forward, (0.3, 0.5, 0.7))
+        right /= np.linalg.norm(right)
+        up = np.cross(right, forward)
+        frame = {"forward": forward, "right": right, "up": up}
+        cone = {"to_cone": np.stack([right, up, -forward]), "cone": (np.cos(0.6), 30.0)}
+        rows.append({"kind": SPHERE, "position": position, "radiance": 5.0} | frame | cone)
+    return rows
+
+
+def test_many_lamps_are_chosen_from_by_what_they_bring():
+    """Of 60 balls half are below the floor, of 60 spots most shine elsewhere: one sample of eight
+    lamps has little noise where nothing is between (by power and distance alone .4 and .45)."""
+    rng = np.random.default_rng(3)
+    places = rng.uniform((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0), (60, 3))
+    balls = [
+        {"kind": SPHERE, "position": place, "size": (0.05, 0.0), "radiance": 5.0}
+        for place in places
+    ]
+    for rows in (balls, _turned_spots(rng, 60)):
+        light = sampled(rows, MATERIALS["diffuse"], 2000, 1).sum(axis=1)
+        assert 0.0 < light.std() < 0.1 * light.mean()
+
+
 def test_lamps_that_make_no_sense_are_refused():
     """They would spread NaN over the picture."""
     for bad in ({"radiance": -1.0}, {"radiance": np.nan}, {"position": (0.0, np.inf, 0.0)}):
