@@ -6,6 +6,7 @@ import logging
 
 import bpy
 
+from . import callbacks
 from .bake import BakeRender
 from .dependencies import MissingPackage
 from .export import ExportError
@@ -23,6 +24,8 @@ _SELF_EXPLAINING = (ExportError, MissingPackage, OSError, ValueError)
 # Ctrl-C is an exception in the bpy module; left alone, Blender would save and go on.
 _CAUGHT = (Exception, KeyboardInterrupt)
 
+_END_SECONDS = 10.0  # compiling for the first time may take as long to let Python run
+
 
 class IWISRenderEngine(bpy.types.RenderEngine):
     """Direct light of an HDRI, with as many samples a pixel as the eye needs there."""
@@ -37,41 +40,46 @@ class IWISRenderEngine(bpy.types.RenderEngine):
 
     viewport: Viewport | None = None  # of an engine object that shows the rendered view
 
+    # Blender counts the arguments of callbacks: no decorator may stand before one.
+
     def update(self, data=None, depsgraph=None):
         """Export, while Blender keeps its windows still. A failure waits for render()."""
-        self.failure = None
-        if self.is_preview:
-            self.session = PreviewRender(self, depsgraph)
-        elif RenderJob.rendering:
-            self.session = FinalRender(self, depsgraph, RenderJob.get())
-        else:  # only a bake calls update() outside a render
-            self.session = BakeRender(self, RenderJob.get())
-        try:
-            self.session.export(depsgraph)
-        except _CAUGHT as error:
-            self.failure = error
+        with callbacks.inside():
+            self.failure = None
+            if self.is_preview:
+                self.session = PreviewRender(self, depsgraph)
+            elif RenderJob.rendering:
+                self.session = FinalRender(self, depsgraph, RenderJob.get())
+            else:  # only a bake calls update() outside a render
+                self.session = BakeRender(self, RenderJob.get())
+            try:
+                self.session.export(depsgraph)
+            except _CAUGHT as error:
+                self.failure = error
 
     def render(self, depsgraph):
         """Render; on any failure deliver a valid result first, then say what is wrong."""
-        session, self.session = self.session, None
-        try:
-            if self.failure is not None:
-                raise self.failure
-            session.run(depsgraph)
-        except _CAUGHT as error:
-            self.failure = error
-        session.complete()
-        self.tell_failure()
+        with callbacks.inside():
+            session, self.session = self.session, None
+            try:
+                if self.failure is not None:
+                    raise self.failure
+                session.run(depsgraph)
+            except _CAUGHT as error:
+                self.failure = error
+            session.complete()
+            self.tell_failure()
 
     def bake(self, depsgraph, obj, pass_type, pass_filter, width, height):
         """Bake one image of an object, after update(); a failure leaves it black and is told."""
-        try:
-            if self.failure is not None:
-                raise self.failure
-            self.session.bake(obj, pass_type, pass_filter, width, height)
-        except _CAUGHT as error:
-            self.failure = error
-        self.tell_failure()
+        with callbacks.inside():
+            try:
+                if self.failure is not None:
+                    raise self.failure
+                self.session.bake(obj, pass_type, pass_filter, width, height)
+            except _CAUGHT as error:
+                self.failure = error
+            self.tell_failure()
 
     def view_update(self, context, depsgraph):
         """Read what has changed, for the rendered view; a failure is shown in the view."""
@@ -133,5 +141,6 @@ def register() -> None:
 
 
 def unregister() -> None:
+    callbacks.end_all(_END_SECONDS)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -45,12 +45,12 @@ class RenderJob:
     films: (view layer, view) -> Film of the last frame, filled with `scene.iwis.keep_film`
     numbers: likewise NumberFilm, filled in a window and with `scene.iwis.keep_film`
     interrupt: the command line's event; once it is set, all renders end as by a user's Esc
-    rendering: whether Blender renders, with any engine; a bake is not a render
+    rendering: the engine that Blender renders with, "" where it does not; a bake is not a render
     """
 
     current: ClassVar[RenderJob | None] = None
     interrupt: ClassVar[threading.Event] = threading.Event()
-    rendering: ClassVar[bool] = False
+    rendering: ClassVar[str] = ""
 
     def __init__(self):
         self.records: list[RenderRecord] = []
@@ -142,7 +142,7 @@ def stats_by_frame(records: list[RenderRecord]) -> list[FrameStats]:
 
 @persistent
 def _on_render_init(scene, _depsgraph=None):
-    RenderJob.rendering = True
+    RenderJob.rendering = scene.render.engine
     if scene.render.engine == ENGINE:
         RenderJob.start(keep_caches=scene.render.use_persistent_data)
     elif RenderJob.current is not None:
@@ -158,7 +158,7 @@ def _on_render_post(_scene, _depsgraph=None):
 
 @persistent
 def _on_render_end(scene, _depsgraph=None):
-    RenderJob.rendering = False
+    RenderJob.rendering = ""
     if RenderJob.current is not None and not scene.render.use_persistent_data:
         RenderJob.current.forget_caches()
 

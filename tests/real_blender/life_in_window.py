@@ -86,12 +86,35 @@ def lives():
         yield from show()
         inside.expect(traces() == enabled, f"otherwise than before: {traces()} {enabled}")
     inside.say("OK disabled and enabled twice while it rendered:", sizes(enabled))
+    yield from disabled_in_a_render()
     inside.view_area().spaces.active.region_3d.view_distance *= 1.01
     yield 0.1
     install()
     yield from show()
     inside.expect(traces() == enabled, f"otherwise after an upgrade: {traces()} {enabled}")
     inside.say("OK installed over itself while it rendered")
+
+
+def disabled_in_a_render():
+    """The render ends with it; Blender is told, and can render again."""
+
+    def rendering():
+        return bpy.app.is_job_running("RENDER")
+
+    bpy.context.preferences.view.render_display_type = "NONE"
+    scene = inside.window_scene()
+    scene.iwis.stop_rule, scene.iwis.max_samples = "FIXED", 4096
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+        bpy.ops.render.render("INVOKE_DEFAULT")
+    yield from inside.until(rendering, 20.0, "the render")
+    yield 2.0
+    inside.expect(rendering(), "the render goes on until the add-on is disabled")
+    bpy.ops.preferences.addon_disable(module=MODULE)
+    yield from inside.until(lambda: not rendering(), 10.0, "the end of Blender's job")
+    bpy.ops.preferences.addon_enable(module=MODULE)
+    scene.iwis.stop_rule, scene.iwis.max_samples = "PERCEPTUAL", 256
+    yield from show()
+    inside.say("OK disabled while a final render went on")
 
 
 def sizes(found) -> str:
