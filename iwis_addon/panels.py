@@ -5,6 +5,10 @@ from __future__ import annotations
 from typing import ClassVar
 
 import bpy
+from bl_ui.properties_render import (
+    CompositorDenoisePerformanceButtonsPanel,
+    CompositorPerformanceButtonsPanel,
+)
 
 from .job import ENGINE
 from .panel_base import IWISPanel
@@ -12,21 +16,18 @@ from .panels_denoise import draw_denoise
 from .preferences import add_on_preferences, cache_dir
 from .sampling_presets import IWIS_PT_sampling_presets
 
-# Blender's panels for every engine that mean nothing here, as Freestyle, or too little: EEVEE's
-# panel of a lamp, below, shows the power as well.
+# Blender's panels for every engine that mean nothing here, as light probes, or too little: EEVEE's
+# panel of a lamp, below, shows the power as well. (Freestyle's lines are drawn over any engine's.)
 _EXCLUDED = {
     "DATA_PT_distance",
     "DATA_PT_light",
     "NODE_DATA_PT_light",
 }
 _EXCLUDED_WORDS = (
-    "freestyle",
     "gpencil",
     "lightprobe",
-    "pointcloud",
     "PT_volume",
     "RENDER_PT_simplify",  # stands above Sampling; IWIS has its own
-    "speaker",
 )
 
 # EEVEE's panels that only show the node trees, lamps and the lens, and the passes' parent.
@@ -137,6 +138,18 @@ class IWIS_PT_performance(IWISPanel, bpy.types.Panel):
         pass
 
 
+class IWIS_PT_performance_compositor(IWISPanel, CompositorPerformanceButtonsPanel, bpy.types.Panel):
+    bl_parent_id = "IWIS_PT_performance"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+
+
+class IWIS_PT_performance_compositor_denoise(
+    IWISPanel, CompositorDenoisePerformanceButtonsPanel, bpy.types.Panel
+):
+    bl_parent_id = "IWIS_PT_performance_compositor"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+
+
 class IWIS_PT_performance_threads(IWISPanel, bpy.types.Panel):
     bl_label = "Threads"
     bl_parent_id = "IWIS_PT_performance"
@@ -230,6 +243,8 @@ CLASSES = (
     IWIS_PT_sampling_render,
     IWIS_PT_sampling_advanced,
     IWIS_PT_performance,
+    IWIS_PT_performance_compositor,
+    IWIS_PT_performance_compositor_denoise,
     IWIS_PT_performance_threads,
     IWIS_PT_performance_memory,
     IWIS_PT_performance_final,

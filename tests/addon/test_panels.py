@@ -47,8 +47,21 @@ NEEDED = (
     "VIEWLAYER_PT_layer_passes",
     "MATERIAL_PT_preview",
     "RENDER_PT_color_management",
+    # what no engine is asked about
+    "DATA_PT_context_pointcloud",
+    "DATA_PT_pointcloud_attributes",
+    "DATA_PT_speaker",
+    "IWIS_PT_performance_compositor",
+    "IWIS_PT_performance_compositor_denoise",
 )
-SENSELESS = ("DATA_PT_light", "RENDER_PT_freestyle", "DATA_PT_lightprobe")
+FREESTYLE = (
+    "RENDER_PT_freestyle",
+    "VIEWLAYER_PT_freestyle",
+    "VIEWLAYER_PT_freestyle_lineset",
+    "VIEWLAYER_PT_freestyle_linestyle_color",
+    "MATERIAL_PT_freestyle_line",
+)
+SENSELESS = ("DATA_PT_light", "DATA_PT_lightprobe", "RENDER_PT_gpencil")
 
 
 def compatible():
@@ -65,6 +78,13 @@ def compatible():
 @pytest.mark.parametrize("name", NEEDED)
 def test_needed_panels_are_shown(name):
     """Node trees, camera, output and passes can be edited with IWIS as the engine."""
+    assert name in compatible()
+
+
+@pytest.mark.skipif(not bpy.app.build_options.freestyle, reason="a Blender without Freestyle")
+@pytest.mark.parametrize("name", FREESTYLE)
+def test_freestyle_can_be_turned_off(name):
+    """Blender draws its lines over a picture of IWIS: they can be set, as with Cycles."""
     assert name in compatible()
 
 
