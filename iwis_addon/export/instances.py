@@ -260,10 +260,11 @@ class _Collector:
         if kind in WITH_SURFACE:
             self._add(item, obj)
         elif kind == "LIGHT":
-            lamp = read_lamp(obj, item.matrix_world, self.lamp_warnings, self._images)
+            asked = Asked(obj, item.parent if item.is_instance else None)
+            own = self.lamp_warnings, self._images, self.inventory.layer
+            lamp = read_lamp(asked, item.matrix_world, *own)
             if lamp is not None:
                 lamp["link"] = self.inventory.links.row_of(obj)
-                asked = Asked(obj, item.parent if item.is_instance else None)
                 lamp["group"] = group_of(asked, self.inventory.groups)
                 self.inventory.lamps.append(lamp)
         elif kind in UNSUPPORTED_TYPES:

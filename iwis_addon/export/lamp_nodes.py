@@ -10,6 +10,7 @@ from ...core.nodes.ies import IES
 from ...core.program import Program, Ref, Value
 from .ies import IesError, read_ies
 from .node_values import NodeReader, follow
+from .object_properties import TABLES, Asked, blocks_of, outputs_of
 from .program_builder import ProgramBuilder
 
 _OF_NORMALS = {"outputs": {"Normal"}}
@@ -33,12 +34,22 @@ class LampReader(NodeReader):
 
 
 class _LampBuilder(ProgramBuilder):
-    """The operations of one light's tree."""
+    """The operations of one light's tree.
+
+    asked, layer: whose properties an Attribute node reads, as for object_properties.blocks_of
+    """
+
+    def __init__(self, reader, images, asked: Asked, layer: tuple):
+        super().__init__(reader, images)
+        self._asked, self._layer = asked, layer
 
     def _made(self, node, groups):
         """See ProgramBuilder."""
         if node.bl_idname == "ShaderNodeTexIES":
             return self._ies(node, groups)
+        if node.bl_idname == "ShaderNodeAttribute" and node.attribute_type in TABLES:
+            blocks = blocks_of(TABLES[node.attribute_type], self._asked, self._layer)
+            return outputs_of(blocks, node.attribute_name)
         return super()._made(node, groups)
 
     def _ies(self, node, groups):
@@ -56,14 +67,17 @@ class _LampBuilder(ProgramBuilder):
         return {output.identifier: Ref(row, "Fac") for output in node.outputs}
 
 
-def read_light(tree, reader: LampReader, images) -> LampLight | None:
-    """What a tree's Light Output gets; None: it is dark. images: an ImageStore"""
+def read_light(tree, reader: LampReader, images, asked: Asked, layer: tuple) -> LampLight | None:
+    """What a tree's Light Output gets; None: it is dark.
+
+    images: an ImageStore; asked, layer: as for read_lamp
+    """
     output = next((n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputLight"), None)
     end = None if output is None else follow(output.inputs["Surface"])
     if end is None or end.node is None:
         reader.warn(output, "nothing is linked to the Surface of the Light Output: it is dark")
         return None
-    builder = _LampBuilder(reader, images)
+    builder = _LampBuilder(reader, images, asked, layer)
     if end.node.bl_idname != "ShaderNodeEmission":
         reader.warn(end.node, "only Emission is supported in a light: it shines as without nodes")
         return LampLight(Program(ops=(), closures=()), _WHITE)

@@ -29,20 +29,22 @@ from ...core.nodes.falloff import INFINITELY_FAR, asks_for_distance
 from ...core.nodes.typical import mean_value
 from .lamp_nodes import LampLight, LampReader, read_light
 from .lamp_pictures import asks_for_place, color_of, ops_of, places_of
-from .program_images import ImageStore
+from .object_properties import Asked
 from .surface_parts import is_constant
 
 _ONE_WAY = "its nodes vary with the direction, which a sun or a beam has one of: mean"
 _STEEPEST = 1e30  # of a spot's edge: float32 has no infinity that times zero is zero
 
 
-def read_lamp(obj, matrix_world, warnings: list[str], images=None) -> dict | None:
+def read_lamp(asked: Asked, matrix_world, warnings: list[str], images, layer) -> dict | None:
     """A row for core.lamps.make_lamps of an evaluated light object; None: it gives no light.
 
     Where the light's nodes vary over it, the row has them for with_pictures.
-    matrix_world: of the instance; warnings: get what is not as in Cycles, by object and light
-    images: the ImageStore of what its nodes show
+    asked: the object, and what made an instance of it; matrix_world: of the instance
+    warnings: get what is not as in Cycles, by object and light
+    images: the ImageStore of what its nodes show; layer: the evaluated view layer, scene and world
     """
+    obj = asked.own
     light, matrix = obj.data, np.array(matrix_world, np.float64)
     if light.type == "AREA" and _cycles(light, "is_portal", False):
         return None  # a portal shows Cycles where the world is
@@ -52,7 +54,7 @@ def read_lamp(obj, matrix_world, warnings: list[str], images=None) -> dict | Non
         strength *= np.array(light.temperature_color)
     # Blender 5 always uses nodes and warns who asks.
     if light.node_tree is not None and (bpy.app.version >= (5, 0) or light.use_nodes):
-        own = read_light(light.node_tree, nodes, images or ImageStore())
+        own = read_light(light.node_tree, nodes, images, asked, layer)
         if own is None:
             return None
         if is_constant(own.value):

@@ -104,6 +104,13 @@ def rgba_of(blocks: list, name: str) -> tuple[float, ...]:
     return 0.0, 0.0, 0.0, 0.0
 
 
+def outputs_of(blocks: list, name: str) -> dict[str, np.ndarray]:
+    """What an Attribute node gives of data-blocks where that is the same everywhere."""
+    *color, alpha = np.float32(rgba_of(blocks, name))
+    color = np.float32(color)
+    return {"Color": color, "Vector": color, "Fac": color.mean(), "Alpha": alpha}
+
+
 def _value(block, name):
     if _OF_AN_ARRAY.search(name):
         return None

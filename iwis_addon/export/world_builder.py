@@ -22,7 +22,6 @@ _CONSTANT = {
     "ShaderNodeObjectInfo": {},
     "ShaderNodeUVMap": {},
     "ShaderNodeVertexColor": {},
-    "ShaderNodeAttribute": {"Alpha": 1.0},
     "ShaderNodeHairInfo": {},
     "ShaderNodeParticleInfo": {},
     "ShaderNodePointInfo": {},
@@ -49,13 +48,18 @@ class WorldBuilder(ProgramBuilder):
     """The operations of one world for one kind of rays.
 
     rays: CAMERA_RAYS or LIGHT_RAYS; cache: the job's TexelCache
+    camera: the scene's; layer: data-blocks of which an Attribute node reads properties
     asks_for_rays: whether a Light Path node has been met
     """
 
     def __init__(self, reader: WorldReader, images, depsgraph, rays, cache):
         super().__init__(reader, images, depsgraph)
         self.asks_for_rays = False
-        self.camera = getattr(depsgraph, "scene_eval", depsgraph).camera
+        scene = getattr(depsgraph, "scene_eval", depsgraph)
+        layer = getattr(depsgraph, "view_layer_eval", None)
+        # Where Attribute nodes look, first things first.
+        self.layer = [block for block in (layer, scene, scene.world) if block is not None]
+        self.camera = scene.camera
         self.rays, self.cache = rays, cache
         self._textures: dict[tuple, int] = {}
 

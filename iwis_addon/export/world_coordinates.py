@@ -11,6 +11,7 @@ from ...core.program import Op, Ref
 from ...core.scene import PERSPECTIVE
 from .camera import export_camera
 from .errors import ExportError
+from .object_properties import outputs_of
 from .world_mapping import camera_turn
 
 _NONE = np.zeros(3, np.float32)
@@ -42,6 +43,13 @@ def constants(node, values):
         value = np.float32(values.get(socket.identifier, 0.0))
         outputs[socket.identifier] = value if socket.type == "VALUE" else np.repeat(value, 3)
     return outputs
+
+
+def _attribute(builder, node, groups):
+    """Of a view layer, a scene and its world; there is no mesh and no object."""
+    if node.attribute_type == "VIEW_LAYER":
+        return outputs_of(builder.layer, node.attribute_name)
+    return constants(node, {"Alpha": 1.0})
 
 
 def _light_path(builder, node, groups):
@@ -131,6 +139,7 @@ def _vector_transform(builder, node, groups):
 
 
 HANDLERS = {
+    "ShaderNodeAttribute": _attribute,
     "ShaderNodeLightPath": _light_path,
     "ShaderNodeTexCoord": _texture_coordinate,
     "ShaderNodeNewGeometry": _geometry,

@@ -79,6 +79,21 @@ def test_strength_is_cycles(scene, name):
     assert not any("Lamp" in line for line in warnings)
 
 
+@pytest.mark.parametrize(("kind", "strength"), [("OBJECT", 0.5), ("VIEW_LAYER", 3.0)])
+def test_nodes_read_properties(scene, kind, strength):
+    """Of the object before its light, and of the scene: it was dark, and nothing told so."""
+    obj = add_light("SUN", energy=2.0, angle=0.0)
+    obj["number"], obj.data["number"], scene["number"] = 0.5, 0.1, 3.0
+    if bpy.app.version < (5, 0):
+        obj.data.use_nodes = True
+    tree = obj.data.node_tree
+    node = tree.nodes.new("ShaderNodeAttribute")
+    node.attribute_type, node.attribute_name = kind, "number"
+    tree.links.new(node.outputs["Fac"], tree.nodes["Emission"].inputs["Strength"])
+    row, _ = exported()
+    np.testing.assert_allclose(row["radiance"], 2.0 * strength, rtol=1e-6)
+
+
 def test_frame_size_and_flags(scene):
     """An area under rotation and scale, without shadow, unseen by glossy rays."""
     obj = add_light("AREA", shape="RECTANGLE", size=2.0, size_y=1.0, use_shadow=False)

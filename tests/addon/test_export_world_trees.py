@@ -100,6 +100,32 @@ def test_a_camera_sees_what_cycles_shows(scene, tree, tmp_path, kind, output):
     assert np.quantile(difference, 0.999) < 2e-3 and difference.mean() < 5e-4
 
 
+OF_LAYERS = {
+    "number": ("Fac", "Color", "Alpha"),
+    "vector": ("Fac", "Color", "Vector", "Alpha"),
+    "of the world": ("Color",),
+    "frame_current": ("Fac",),
+    "nothing": ("Fac", "Alpha"),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "output"), [(name, output) for name in OF_LAYERS for output in OF_LAYERS[name]]
+)
+def test_properties_of_the_scene_as_in_cycles(scene, tree, tmp_path, name, output):
+    """What an Attribute node reads of view layer, scene and world, as a color or as a strength."""
+    scene["number"], scene["vector"] = 0.3, (0.2, 0.5, 0.9)
+    scene.world["number"], scene.world["of the world"] = 0.6, (0.1, 0.3, 0.7)
+    scene.frame_set(3)
+    node = add(tree, "Attribute", attribute_type="VIEW_LAYER", attribute_name=name)
+    show(tree, node.outputs[output])
+    cycles = cycles_background(scene, tmp_path)
+    world, warnings = read()
+    assert not [line for line in warnings if "it gives no light" not in line]
+    seen = Backdrop(world.backdrop or world.light).radiance(pixel_directions())
+    np.testing.assert_allclose(seen, cycles, atol=1e-4)
+
+
 @pytest.mark.parametrize("kind", ["POINT", "VECTOR", "NORMAL"])
 @pytest.mark.parametrize("ways", [("WORLD", "CAMERA"), ("CAMERA", "WORLD"), ("OBJECT", "WORLD")])
 def test_vector_transform_as_in_cycles(scene, tree, tmp_path, kind, ways):

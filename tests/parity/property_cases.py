@@ -2,7 +2,8 @@
 
 import bpy
 
-from .cases import CASES, Case, lit, shown
+from .cases import CASES, Case, lit, lit_by, shown, world
+from .lamp_cases import ABOVE, add_lamp, dressed, matte
 from .scene import Tree
 
 _OF_OBJECTS = {
@@ -108,6 +109,45 @@ def _colored_instances(kind):
 
 for _kind in ("collection", "vertices", "particles"):
     CASES.append(Case(f"Object Info, Color of instances, {_kind}", _colored_instances(_kind)))
+
+
+def _lit_by_a_number(kind, name, output):
+    """A lamp whose strength is a property of its own, or of the scene."""
+
+    def build(scene, tree):
+        _with_properties(scene)
+        lamp = add_lamp(scene, "POINT", ABOVE, energy=300.0)
+        scene.objects["Lamp"]["number"], lamp["of the light"] = 0.7, (0.3, 0.9, 1.2)
+        lamp["number"] = 0.2  # behind the object's own
+        node = {"attribute_type": kind, "attribute_name": name}
+        strength = {"Strength": 1.0, "Color": (0.9, 0.6, 0.3)}
+        target = "Color" if output == "Color" else "Strength"
+
+        def emission(lamp_tree):
+            value = lamp_tree.made("ShaderNodeAttribute", output, **node)
+            return lamp_tree.made("ShaderNodeEmission", 0, strength | {target: value})
+
+        dressed(lamp, emission)
+        tree.surface(matte(tree))
+
+    lit_by(f"Attribute of {kind.lower().replace('_', ' ')}, {name}, of a lamp", build, world=False)
+
+
+_lit_by_a_number("VIEW_LAYER", "number", "Fac")
+_lit_by_a_number("OBJECT", "number", "Fac")
+_lit_by_a_number("OBJECT", "of the light", "Color")
+
+
+def _strong_world(tree):
+    scene = bpy.context.scene
+    scene["number"], scene.world["number"] = 0.3, 0.6
+    node = {"attribute_type": "VIEW_LAYER", "attribute_name": "number"}
+    strength = tree.made("ShaderNodeAttribute", "Fac", **node)
+    inputs = {"Color": (0.9, 0.7, 0.5), "Strength": strength}
+    return tree.made("ShaderNodeBackground", 0, inputs)
+
+
+world("Attribute of a view layer, number, of a world", _strong_world)
 
 
 def _beside(tree, output):
