@@ -77,7 +77,7 @@ class Viewport:
         camera = self._seen(context, depsgraph)
         space = context.space_data
         self._cache.shown = lambda item: _shown(item, space)
-        self._live.begin(depsgraph.updates)
+        self._live.begin(depsgraph.updates, depsgraph.scene.frame_current_final)
         warnings: list[str] = []
         scene = export_scene(
             depsgraph,

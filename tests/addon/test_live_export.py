@@ -7,44 +7,10 @@ import numpy as np
 import pytest
 from parity.element_cases import add_curves, add_particle_hair, add_points, bent_strands
 
-from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene
-from iwis.iwis_addon.export import parts as parts_module
+from iwis.iwis_addon.export import export_scene
 from iwis.iwis_addon.export.same import same
 from support.above import add_monkey
-
-
-class Window:
-    """Exports as a rendered view does, and counts the meshes that are read."""
-
-    def __init__(self, monkeypatch):
-        self.live, self.cache, self.read = LiveExport(), ExportCache(), []
-        self.cache.live = self.live.meshes
-        original = parts_module.read_mesh
-
-        def read_mesh(mesh, *rest):
-            self.read.append(mesh.name)
-            return original(mesh, *rest)
-
-        monkeypatch.setattr(parts_module, "read_mesh", read_mesh)
-
-    def export(self, change=lambda: None):
-        """The scene after a change, and the names of the meshes that were read for it."""
-        result = []
-
-        def take(_scene, depsgraph):
-            self.read.clear()
-            self.live.begin(depsgraph.updates)
-            lines = []
-            scene = export_scene(depsgraph, warnings=lines, cache=self.cache, live=self.live)
-            result.append((scene, list(self.read), lines))
-
-        bpy.app.handlers.depsgraph_update_post.append(take)
-        try:
-            change()
-            bpy.context.view_layer.update()
-        finally:
-            bpy.app.handlers.depsgraph_update_post.remove(take)
-        return result[-1]
+from support.live_window import Window
 
 
 @pytest.fixture
