@@ -43,7 +43,8 @@ def wrapped(layout, context, text: str, icon: str) -> None:
     region = context.region
     scale = context.preferences.system.ui_scale or 1.0  # 0 in background mode
     width = region.width if region is not None else 300
-    letters = max(int((width / scale - 100) / 6.2), 20)
+    # Beside a text are its icon, a button and the panel's edges.
+    letters = max(int((width / scale - 120) / 6.2), 12)
     column = layout.column(align=True)
     column.scale_y = 0.8
     for number, line in enumerate(textwrap.wrap(text, letters)):

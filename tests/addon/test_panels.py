@@ -10,6 +10,7 @@ import iwis
 from iwis.core.scene import PANORAMAS
 from iwis.core.stats import RenderStats
 from iwis.iwis_addon import (
+    panel_base,
     panels,
     panels_bake,
     panels_camera,
@@ -145,6 +146,21 @@ def test_panels_draw_what_exists(scene, cls):
     cls.draw(panel, bpy.context)
     has_children = any(getattr(c, "bl_parent_id", "") == cls.__name__ for c in PANELS)
     assert panel.layout.drawn or has_children
+
+
+@pytest.mark.parametrize("width", [218, 400])
+def test_texts_beside_buttons_are_not_cut_off(width):
+    """At the width of a new window's properties editor, and wider: 6.2 pixels a letter, measured,
+    beside an icon, a button and edges."""
+    context = types.SimpleNamespace(
+        region=types.SimpleNamespace(width=width),
+        preferences=types.SimpleNamespace(system=types.SimpleNamespace(ui_scale=1.0)),
+    )
+    text = "cannot keep tables (No such file or directory): they are built again at each render"
+    layout = Layout()
+    panel_base.wrapped(layout, context, text, "INFO")
+    assert " ".join(layout.drawn) == text
+    assert 6.2 * max(map(len, layout.drawn)) <= width - 120
 
 
 @pytest.mark.parametrize("kind", ["POINT", "SUN", "SPOT", "AREA"])
