@@ -144,10 +144,14 @@ def _normals(mesh: TriangleMesh, vertices, kinds: Movable, moving, follows):
     not stay
     """
     normals, triangles = mesh.corner_normals.copy(), mesh.triangles
-    smooth = np.flatnonzero(follows & ~kinds.flat & ~kinds.cornered)
+    # A vertex has one normal, which faces of other materials beside it have too.
+    shared = np.zeros(len(vertices), np.bool_)
+    shared[triangles[follows]] = True
+    own = kinds.movable & ~kinds.flat & ~kinds.cornered
+    smooth = np.flatnonzero(own & shared[triangles].any(axis=1))
     if len(smooth):
-        whole = _vertex_normals(vertices, triangles[follows])
-        normals[smooth] = whole[triangles[smooth]]
+        whole, at = _vertex_normals(vertices, triangles[follows]), triangles[smooth]
+        normals[smooth] = np.where(shared[at][..., None], whole[at], normals[smooth])
     objects = np.unique(mesh.object_index[moving & kinds.cornered])
     if len(objects):
         own = np.flatnonzero(np.isin(mesh.object_index, objects))

@@ -57,10 +57,22 @@ class LampPlaces(NamedTuple):
 
     def uv(self, u, v, way) -> np.ndarray:
         """float32 (n, 3): what nodes have for UV, of places on a picture and the way from them."""
-        if self.slope > 0.0 and not self.flat:
+        if self.slope == 0.0 and self.width == 0.0:
+            u, v = self._uv_of_ball(u, v, way)
+        elif self.slope > 0.0 and not self.flat:
             depth = 2.0 * self.slope * np.maximum(-way[:, 2], 1e-6)
             u, v = 0.5 + way[:, 0] / depth, 0.5 + way[:, 1] / depth
         return np.column_stack([u, v, np.zeros_like(u)]).astype(np.float32)
+
+    def _uv_of_ball(self, u, v, way):
+        """Of directions in the lamp's own space, which a lamp of several scales bends."""
+        matrix = self.to_world[:3, :3]
+        scales = np.linalg.norm(matrix, axis=0)
+        if np.allclose(scales, scales[0], rtol=1e-6):
+            return u, v
+        x, y, z = np.linalg.pinv(matrix) @ _unit_columns(matrix) @ way.T
+        length = np.maximum(np.sqrt(x * x + y * y + z * z), 1e-30)
+        return 0.5 * (1.0 - np.arctan2(x, y) / np.pi), 1.0 - np.arccos(z / length) / np.pi
 
 
 class _LampContext(ShadeContext):
@@ -94,7 +106,7 @@ class _LampContext(ShadeContext):
         self.triangle = none
         self.position = world.astype(np.float32)
         self.normal = self.geometric_normal = self.wo = normal.astype(np.float32)
-        self._local, self._way = places.astype(np.float32), way.astype(np.float32)
+        self._local = places.astype(np.float32)
         self._uv = lamp.uv(u, v, way)
 
     camera_ray = False  # its light is asked for, not it itself
@@ -134,10 +146,6 @@ class _LampContext(ShadeContext):
     def attribute(self, name):
         """A lamp has none."""
         return None
-
-    def normal_to_object(self, vectors):
-        """float32 (n, 3): the way in the lamp's space, of its normal."""
-        return self._way if vectors is self.normal else super().normal_to_object(vectors)
 
 
 def _unit_columns(matrix) -> np.ndarray:

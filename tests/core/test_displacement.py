@@ -97,6 +97,24 @@ def test_normals_follow():
     np.testing.assert_allclose(found.corner_normals[inside], expected[inside], atol=0.01)
 
 
+def test_faces_beside_moved_ones_share_their_normals():
+    """A vertex between a face that moves and one that does not has the normal of the first."""
+    mesh = _grid(lambda face: face // 2 % (N - 1) >= (N - 1) // 2)
+    program, value = _bowl()
+    moved = _run(mesh, [Displacement(program, value, False), None], _kinds(mesh))
+    alone = mesh.material_index == 1
+    middle = (np.abs(mesh.vertices[:, 0]) < 1e-6)[mesh.triangles]
+    normals, ours = {}, alone[:, None] & middle
+    for corner in np.argwhere(~alone[:, None] & middle):
+        normals[mesh.triangles[tuple(corner)]] = moved.corner_normals[tuple(corner)]
+    assert ours.any()
+    for corner in np.argwhere(ours):
+        vertex = mesh.triangles[tuple(corner)]
+        np.testing.assert_array_equal(moved.corner_normals[tuple(corner)], normals[vertex])
+    assert max(np.abs(n - UP).max() for n in normals.values()) > 0.05
+    np.testing.assert_array_equal(moved.corner_normals[alone[:, None] & ~middle] - UP, 0.0)
+
+
 def test_normals_stay_where_a_bump_turns_them():
     mesh = _grid()
     found = _bowl_of(mesh, keeps_normals=True)

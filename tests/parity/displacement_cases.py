@@ -136,6 +136,16 @@ def _half_plain(scene):
     faces.foreach_set("material_index", (np.arange(len(faces)) // 256 % 2).astype(np.int32))
 
 
+def _among_plain(scene):
+    """Every other band of faces has the same material without its displacement."""
+    plain = bpy.data.materials["M"].copy()
+    output = next(n for n in plain.node_tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+    plain.node_tree.links.remove(output.inputs["Displacement"].links[0])
+    _sphere().data.materials.append(plain)
+    faces = _sphere().data.polygons
+    faces.foreach_set("material_index", (np.arange(len(faces)) // 32 % 2).astype(np.int32))
+
+
 def _instanced(scene):
     """Copies of the sphere, one of them mirrored."""
     for place, size in (((0.9, -1.2, -0.4), (0.4, 0.4, 0.4)), ((0.4, 0.8, 0.9), (-0.5, 0.5, 0.5))):
@@ -150,6 +160,7 @@ _case(" of vertices, half flat", more=_half_flat)
 _case(" of vertices, sharp edges", more=_sharp)
 _case(" of vertices and bump, sharp edges", method="BOTH", more=_sharp)
 _case(" of vertices, of half a mesh", more=_half_plain)
+_case(" of vertices, among plain faces", more=_among_plain)
 _case(" of vertices, of copies", more=_instanced)
 
 
