@@ -2,7 +2,8 @@
 Only and Displacement and Bump.
 
 A vertex goes where the first of its triangles with such a material sends it, evaluated at that
-triangle's corner and with the normal of the vertex, of flat faces too. Normals follow the vertices,
+triangle's corner and with the normal of the vertex, of flat faces too; all instances of a mesh have
+the shape of the first. Normals follow the vertices,
 or stay where a bump turns them besides. Normals of face corners (sharp edges, custom ones) turn by
 as much as those of their vertices do.
 """
@@ -31,18 +32,32 @@ class Displaced(NamedTuple):
     rest: AtRest
 
 
+class Copied(NamedTuple):
+    """Vertices that go where others of the table go: of another instance of the same mesh.
+
+    source, target: first vertices, of n each; matrix: float64 (3, 4), from the ones to the others
+    """
+
+    source: int
+    target: int
+    n: int
+    matrix: np.ndarray
+
+
 class Movable(NamedTuple):
     """What a mesh table does not tell of its triangles, bool (m,) each, and of its vertices.
 
     movable: whether a material may move them; flat: they have their geometric normal; cornered:
     they have normals of their corners, which may differ at one vertex
     vertex_normals: float32 (n, 3), unit, of the vertices of movable ones, however these are shaded
+    copied: of instances that are moved as the first one of their mesh is
     """
 
     movable: np.ndarray
     flat: np.ndarray
     cornered: np.ndarray
     vertex_normals: np.ndarray
+    copied: tuple[Copied, ...] = ()
 
 
 class Asked(NamedTuple):
@@ -94,6 +109,11 @@ def _moved_vertices(mesh, displacements, kinds: Movable, faces, asked: Asked, ch
     """TriangleMesh.vertices, those of some faces moved. What is no number moves nothing, as in
     Cycles, and so does what is too far to be rendered."""
     vertex, first = np.unique(mesh.triangles[faces], return_index=True)
+    if kinds.copied:
+        asks = np.ones(len(mesh.vertices), np.bool_)
+        for copy in kinds.copied:
+            asks[copy.target : copy.target + copy.n] = False
+        vertex, first = vertex[asks[vertex]], first[asks[vertex]]
     face, corner = faces[first // 3].astype(np.int32), (first % 3).astype(np.int32)
     vertices = mesh.vertices.copy()
     for begin in range(0, len(vertex), _CHUNK):
@@ -104,6 +124,10 @@ def _moved_vertices(mesh, displacements, kinds: Movable, faces, asked: Asked, ch
         places = before + _offsets(mesh, displacements, asked, *seen)
         near = (np.abs(places) < _FARTHEST).all(axis=1, keepdims=True)
         vertices[own] = np.where(near, places, before)
+    for copy in kinds.copied:
+        check()
+        moved = vertices[copy.source : copy.source + copy.n] @ copy.matrix[:, :3].T
+        vertices[copy.target : copy.target + copy.n] = moved + copy.matrix[:, 3]
     return vertices
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from ...core.displacement import Asked, Displaced, Movable, displaced
+from ...core.displacement import Asked, Copied, Displaced, Movable, displaced
 from ...core.program import Displacement, SurfaceData
 from ...core.scene import Camera, TriangleMesh
 from .errors import ExportCancelled
@@ -121,7 +121,7 @@ def _movable(geometry: MeshExport, rows: list[int]) -> Movable:
     instances = [inventory.instances[row] for row in rows]
     triangles, transforms = rows_of_instances(geometry, rows), Transforms.of(instances)
     flags, read = (np.zeros(len(mesh.triangles), np.bool_) for _ in range(3)), {}
-    found = Movable(*flags, np.zeros_like(mesh.vertices))
+    found, firsts, copied = Movable(*flags, np.zeros_like(mesh.vertices)), {}, []
     for k, (row, instance) in enumerate(zip(rows, instances, strict=True)):
         part, own = inventory.parts[instance.part], triangles[row]
         if not len(own.table):
@@ -138,7 +138,19 @@ def _movable(geometry: MeshExport, rows: list[int]) -> Movable:
         out = found.vertex_normals[first : first + len(normals)]
         transform_points(transforms.cofactors[k : k + 1], normals, out[None])
         make_unit(out)
-    return found
+        source, other = firsts.setdefault((instance.part, instance.slots), (first, instance))
+        if source != first:
+            copied += _copied(other, source, instance, first, len(normals))
+    return found._replace(copied=tuple(copied))
+
+
+def _copied(source, at: int, target, to: int, n: int) -> list[Copied]:
+    """n vertices of an instance from ``to`` on, as those of the first one, from ``at`` on; none
+    where that one is flat."""
+    own, other = (np.array(i.object_to_world).reshape(4, 4) for i in (source, target))
+    if abs(np.linalg.det(own[:3, :3])) < 1e-30:
+        return []
+    return [Copied(at, to, n, (other @ np.linalg.inv(own))[:3])]
 
 
 def _flat(source, part: LocalMesh) -> np.ndarray:

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.displacement import Asked, Movable, displaced
+from iwis.core.displacement import Asked, Copied, Movable, displaced
 from iwis.core.nodes import Evaluation, ShadeContext, surface_evaluation
 from iwis.core.program import AtRest, Displacement, Op, Program, Ref, SurfaceData
 from iwis.core.scene import TriangleMesh
@@ -163,6 +163,35 @@ def test_a_vertex_is_moved_by_its_first_triangle():
     factor = np.select([first == 1, first == 2], [0.25, -0.5], 0.0)
     assert len(set(first)) == 3
     np.testing.assert_allclose(z, factor * (x * x + y * y), atol=1e-6)
+
+
+def test_copies_have_the_shape_of_the_first():
+    """Another instance, of half the size and turned upside down, is the first one's shape so."""
+    one, n = _grid(), N * N
+    matrix = np.column_stack([np.diag([0.5, -0.5, -0.5]), [3.0, 1.0, 2.0]])
+    places = one.vertices @ matrix[:, :3].T + matrix[:, 3]
+    both = dataclasses.replace(
+        one,
+        vertices=np.concatenate([one.vertices, places]).astype(np.float32),
+        triangles=np.concatenate([one.triangles, one.triangles + n]),
+        corner_normals=np.concatenate([one.corner_normals, -one.corner_normals]),
+        material_index=np.tile(one.material_index, 2),
+        object_index=np.repeat(np.int32([0, 1]), len(one.triangles)),
+    )
+    normals = np.repeat([UP, -UP], n, axis=0)
+    kinds = _kinds(both)._replace(vertex_normals=normals, copied=(Copied(0, n, n, matrix),))
+    surface = _surface(both)
+    twice = {
+        name: np.repeat(getattr(surface, name), 2, axis=0)
+        for name in ("object_to_world", "mirrored", "color", "random", "pass_index")
+    }
+    asked = Asked(dataclasses.replace(surface, **twice), camera_above(), np.zeros(1, np.float32))
+    moved = displaced(both, (Displacement(*_bowl(), False),), kinds, asked).mesh
+    expected = moved.vertices[:n] @ matrix[:, :3].T + matrix[:, 3]
+    assert np.ptp(moved.vertices[:n, 2]) > 0.4
+    np.testing.assert_allclose(moved.vertices[n:], expected, atol=1e-6)  # float32
+    turned = moved.corner_normals[: len(one.triangles)] * [1.0, -1.0, -1.0]
+    np.testing.assert_allclose(moved.corner_normals[len(one.triangles) :], turned, atol=1e-5)
 
 
 def test_what_must_not_move_stays():

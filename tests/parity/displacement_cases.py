@@ -162,6 +162,11 @@ _case(" of vertices and bump, sharp edges", method="BOTH", more=_sharp)
 _case(" of vertices, of half a mesh", more=_half_plain)
 _case(" of vertices, among plain faces", more=_among_plain)
 _case(" of vertices, of copies", more=_instanced)
+_case(
+    " of vertices, world space, of copies",
+    lambda t: _by_height(t, _hills(t), space="WORLD"),
+    more=_instanced,
+)
 
 
 def _glowing(scene, tree):
