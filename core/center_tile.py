@@ -16,7 +16,7 @@ from .guide import Guides, new_guides
 from .incremental import PixelSums, new_sums
 from .lamp_glow import lamp_glow, shown_lamps
 from .light_groups import TileGroups
-from .merged_layers import merge_layers
+from .merged_layers import merge_layers, shown_normals, turns_normals
 from .neighbours import CELL_PX, cell_order
 from .rows import any_in_row
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
@@ -98,16 +98,17 @@ class CenterTile:
         """See TileWork."""
         self._look()
         seen, sums = merge_layers(self._layers, self._sums)
+        scene, points = self._job.scene, seen.points
+        normal = shown_normals(self._layers) if turns_normals(scene) else points.normal
         layers = develop_points(
-            self._job.scene,
+            scene,
             self._job.seen_world,
-            PlacedPoints(seen.points, seen.lobes, self._places),
+            PlacedPoints(points, seen.lobes, self._places, normal),
             self._missed,
             sums,
             self.rect[2:],
             self._job.settings.max_samples,
         )
-        scene, points = self._job.scene, seen.points
         caught = plays(scene, points, SHADOW_CATCHER)
         shown = ~(caught | plays(scene, points, HOLDOUT))
         sums = self._with_lamps(np.flatnonzero(caught), points, sums)

@@ -22,11 +22,13 @@ from .sheen import diffuse_color
 
 
 class PlacedPoints(NamedTuple):
-    """The points that a tile's rays hit; place: int32 (n,), pixels of the tile, -1 = outside."""
+    """The points that a tile's rays hit; place: int32 (n,), pixels of the tile, -1 = outside;
+    normal: float32 (n, 3), for the pass of that name."""
 
     points: ShadingPoints
     lobes: Lobes
     place: np.ndarray
+    normal: np.ndarray
 
 
 class MissedRays(NamedTuple):
@@ -133,7 +135,7 @@ def develop_points(
     if not inside.all():
         points, place = ShadingPoints(*(column[inside] for column in points)), place[inside]
     _write_geometry(layers, scene, points, place)
-    own = seen.points.normal, seen.lobes, sums
+    own = seen.normal, seen.lobes, sums
     _write_points(seen.place, *own, float(scene.exposure), max_samples, flat)
     return layers
 

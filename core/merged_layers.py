@@ -9,6 +9,8 @@ import numpy as np
 from ._jit import kernel
 from .incremental import PixelSums, new_sums
 from .neighbours import hue_spread, reflected_chroma
+from .rows import row_means
+from .scene import Scene
 from .seen_points import ClosureLayer, SeenPoints
 from .sheen import diffuse_color
 
@@ -64,6 +66,31 @@ def _close(merged):
         whole.seen_squared[p] = (merged.variance[p] * (count - 1) + mean * mean) * count
         whole.hue[p] = merged.hue[p] * (count - 1) * count + reflected_chroma(whole, p) / count
         whole.error[p] = np.sqrt(merged.wrong[p]) / mean if mean > 0.0 else 0.0
+
+
+def turns_normals(scene: Scene) -> bool:
+    """Whether a material of a scene has bumps or normal maps."""
+    programs = () if scene.shaders is None else scene.shaders.programs
+    own = (p.closures for p in programs if p is not None)
+    return any(closure.normal is not None for closures in own for closure in closures)
+
+
+def shown_normals(layers: list[ClosureLayer]) -> np.ndarray:
+    """float32 (n, 3), what the pass Normal shows of all points: as in Cycles the mean of the
+    normals of their closures, by their weights; of what has none the surface's own."""
+    own = layers[0].seen.points.facing_viewer().normal
+    total = np.zeros_like(own)
+    for layer in layers:
+        if layer.media is not None or layer.color is not None:
+            continue  # light from under the surface, which leaves it elsewhere
+        lobes, base = layer.seen.lobes, own[layer.of]
+        matte, gloss = row_means(lobes.diffuse), row_means(lobes.weight.sum(axis=1))
+        normal = matte[:, None] * lobes.normal + gloss[:, None] * lobes.glossy_normal
+        # That of a translucent closure is on the side that the light comes from.
+        behind = np.einsum("ij,ij->i", normal, base) < 0.0
+        total[layer.of] += np.where(behind[:, None], -normal, normal)
+    length = np.linalg.norm(total, axis=1)[:, None]
+    return np.where(length > 0.0, total / np.maximum(length, np.float32(1e-20)), own)
 
 
 def merge_layers(layers: list[ClosureLayer], sums: list[PixelSums]) -> tuple[SeenPoints, PixelSums]:

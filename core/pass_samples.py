@@ -14,7 +14,7 @@ from .guide import new_guides
 from .incremental import PixelSums, new_sums
 from .light_groups import TileGroups
 from .luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
-from .merged_layers import merge_layers
+from .merged_layers import merge_layers, shown_normals, turns_normals
 from .pass_rays import PILOT, samples_of_a_pass
 from .pass_sums import PassSums, add_seen
 from .scene import HOLDOUT, SHADOW_CATCHER
@@ -49,6 +49,7 @@ class PassSampler:
         self.lamps = TileLamps(job.scene, job.settings, job.accel, n)
         self.occlusion = TileOcclusion(job.scene, job.settings, job.accel, n)
         self.groups, self.surface = TileGroups(job.scene, n), SurfacePasses(job.scene, n)
+        self._turned = turns_normals(job.scene)
         self._batch = samples_of_a_pass(job.settings, job.scene.camera)
         alone = job.settings.stop_rule == "PAPER"
         # Four passes are one in each quarter of the shutter's time (pass_rays.pass_slices).
@@ -106,7 +107,8 @@ class PassSampler:
         self.lamps.add_pass(layers, places, number, sums)
         self.groups.add_emission(points, points.pixel, seen.lobes.emission)
         self.occlusion.add_pass(points, seen.lobes, places, number)
-        add_seen(points.pixel, points.normal, seen.lobes, sums, self._state)
+        normal = shown_normals(layers) if self._turned else points.normal
+        add_seen(points.pixel, normal, seen.lobes, sums, self._state)
 
     def _add_caught(self, layers, sums, number, accel) -> None:
         seen, sums = merge_layers(layers, sums)
