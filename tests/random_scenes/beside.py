@@ -29,6 +29,7 @@ FORESEEN = (
     "grey shadow",
     "without area, 0 with",
     "a world has no UV map",
+    "faces shine: those that move",
 )
 
 
@@ -102,7 +103,8 @@ def _blocks(pictures) -> np.ndarray:
 
 def _render_iwis(scene, seed, folder, more):
     own = scene.iwis
-    own.seed, own.pixel_filter, own.filter_width = seed, "BLACKMAN_HARRIS", FILTER_WIDTH
+    own.seed, own.filter_width = seed, FILTER_WIDTH
+    own.pixel_filter = scene.cycles.pixel_filter_type
     own.max_samples, own.batch_size = POINTS * BATCH * more, BATCH
     own.stop_rule = "FIXED"
     layers = render_iwis(scene, folder)

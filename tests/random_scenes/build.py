@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import elements, lamps, materials, shapes, views, worlds
+from . import elements, lamps, linking, materials, motion, shapes, views, worlds
 from .dice import Dice
 
 
@@ -27,6 +27,11 @@ def build(seed: int):
         elements.add_elements(dice)
     if dice.chance(0.4):
         views.flags(dice, scene)
+    if dice.chance(0.3):
+        linking.link_lights(dice, scene)
+        linking.object_settings(dice, scene)
+    if dice.chance(0.25):
+        motion.motion(dice, scene)
     scene.cycles.transparent_max_bounces = 64
     bpy.context.view_layer.update()
     return scene, dice.told

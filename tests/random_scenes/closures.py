@@ -9,10 +9,11 @@ from .dice import Dice
 
 
 def closure(dice: Dice, tree, may: set[str]):
-    """One closure. may: what it may be of "clear", "strand", "hole" and "walked"."""
+    """One closure. may: what it may be of "clear", "thin", "strand", "hole" and "walked"."""
     kinds = [_diffuse, _diffuse, _principled, _principled, _glossy, _metallic, _sheen, _emission]
     kinds += [_toon]
-    kinds += [_transparent, _translucent] if "clear" in may else []
+    kinds += [_transparent] if "clear" in may else []
+    kinds += [_translucent] if "thin" in may else []
     kinds += [_holdout] if "hole" in may else []
     kinds += [_subsurface] if "walked" in may else []
     kinds += [_principled_hair, _hair] * 3 if "strand" in may else []
@@ -77,6 +78,7 @@ def _principled(dice, tree):
         inputs["Diffuse Roughness"] = dice.edge(0.0, 1.0)
     # Under a coat or sheen it depends on the direction, which lights others otherwise (warned).
     if dice.chance(0.15) and not {"Coat Weight", "Sheen Weight"} & inputs.keys():
+        dice.tell("shines")
         inputs |= {"Emission Color": dice.color(), "Emission Strength": dice.between(0.0, 0.5)}
     distribution = dice.of("GGX", "MULTI_GGX")
     inputs |= _normal(dice, tree)
@@ -120,6 +122,7 @@ def _toon(dice, tree):
 
 
 def _emission(dice, tree):
+    dice.tell("shines")
     inputs = {"Color": values.color(dice, tree, depth=1), "Strength": dice.spread(0.05, 2.0)}
     return tree.made("ShaderNodeEmission", 0, inputs)
 

@@ -9,7 +9,7 @@ from . import values
 from .closures import closure
 from .dice import Dice
 
-CLEAR, OPAQUE, STRAND, POINT = {"clear", "hole"}, {"walked"}, {"strand"}, set()
+CLEAR, OPAQUE, STRAND, POINT = {"clear", "thin", "hole"}, {"walked"}, {"strand"}, set()
 
 
 def material(dice: Dice, may=frozenset(CLEAR)):
@@ -17,19 +17,23 @@ def material(dice: Dice, may=frozenset(CLEAR)):
     made = bpy.data.materials.new("M")
     if made.node_tree is None:
         made.use_nodes = True
-    tree = Tree(made.node_tree)
+    tree, before = Tree(made.node_tree), len(dice.told)
     tree.surface(shader(dice, tree, dice.whole(0, 2), may))
     if dice.bumps and may & (CLEAR | OPAQUE) and dice.chance(0.2):
-        _displace(dice, tree, made)
+        _displace(dice, tree, made, "shines" in dice.told[before:])
     return made
 
 
 def shader(dice: Dice, tree, depth: int, may):
-    """The output of a tree of shaders. Holes are never added to others: that is nothing real."""
+    """The output of a tree of shaders.
+
+    Holes, and what is clear, are never added to others: that is nothing real. What passes would be
+    all the light and more, of which Cycles' rays bring one in many, brighter by as much.
+    """
     if depth <= 0:
         return closure(dice, tree, may)
     node = tree.node("ShaderNodeAddShader" if dice.chance(0.25) else "ShaderNodeMixShader")
-    inner = may - {"hole"} if node.bl_idname == "ShaderNodeAddShader" else may
+    inner = may - {"hole", "clear"} if node.bl_idname == "ShaderNodeAddShader" else may
     parts = [shader(dice, tree, depth - 1, inner) for _ in range(2)]
     dice.tell(node.bl_idname[10:])
     if len(node.inputs) == 3:
@@ -39,9 +43,13 @@ def shader(dice: Dice, tree, depth: int, may):
     return node.outputs[0]
 
 
-def _displace(dice, tree, made):
-    """Hills as wide as the objects, by each method; the vertices are those that there are."""
-    made.displacement_method = dice.of("BUMP", "DISPLACEMENT", "DISPLACEMENT", "BOTH")
+def _displace(dice, tree, made, shines):
+    """Hills as wide as the objects, by each method; the vertices are those that there are.
+
+    shines: where also a bump is left, much of the light on others is missing in Cycles 5.2
+    """
+    methods = ("DISPLACEMENT",) if shines else ("BUMP", "DISPLACEMENT", "DISPLACEMENT", "BOTH")
+    made.displacement_method = dice.of(*methods)
     dice.tell(f"moved {made.displacement_method.lower()}")
     place = tree.coordinates(dice.of("Object", "Generated"))
     noise = {"Vector": place, "Scale": dice.between(0.5, 1.5), "Detail": 0.0}

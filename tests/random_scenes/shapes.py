@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from .attributes import NAME, add_attributes
 from .dice import Dice
 
 _PRIMITIVES = {
@@ -28,6 +29,9 @@ _MODIFIERS = {
     "WIREFRAME": {"thickness": 0.1},
     "TRIANGULATE": {},
     "SIMPLE_DEFORM": {"angle": 0.8},
+    "EDGE_SPLIT": {"split_angle": 0.6},
+    "WEIGHTED_NORMAL": {},
+    "DECIMATE": {"ratio": 0.6},
 }
 
 
@@ -65,6 +69,8 @@ def _shaped(dice, obj, n_materials):
     mesh.polygons.foreach_set("use_smooth", np.full(len(mesh.polygons), dice.chance(0.5)))
     slots = np.arange(len(mesh.polygons)) % n_materials
     mesh.polygons.foreach_set("material_index", slots.astype(np.int32))
+    _own_normals(dice, mesh)
+    add_attributes(dice, mesh)
     colors = mesh.color_attributes.new("Col", "FLOAT_COLOR", dice.of("CORNER", "POINT"))
     n = len(colors.data)
     values = np.stack([np.arange(n) % k / k for k in (3, 5, 7)] + [np.ones(n)], -1)
@@ -76,6 +82,21 @@ def _shaped(dice, obj, n_materials):
             setattr(modifier, name, value)
 
 
+def _own_normals(dice, mesh):
+    """Sharp edges, or normals that someone has set."""
+    kind = dice.of("none", "none", "none", "sharp edges", "custom normals")
+    if kind == "sharp edges":
+        mesh.set_sharp_from_angle(angle=dice.between(0.2, 1.2))
+    if kind == "custom normals":
+        normals = np.empty((len(mesh.loops), 3), np.float32)
+        mesh.corner_normals.foreach_get("vector", normals.ravel())
+        normals += [dice.vector(-0.25, 0.25) for _ in range(len(normals))]
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        mesh.normals_split_custom_set(normals.tolist())
+    if kind != "none":
+        dice.tell(kind)
+
+
 def add_floor(dice: Dice, material) -> None:
     """A square under all."""
     bpy.ops.mesh.primitive_plane_add(size=9.0, location=(0.0, 0.5, -1.2))
@@ -85,7 +106,7 @@ def add_floor(dice: Dice, material) -> None:
 
 def add_copies(dice: Dice, obj) -> None:
     """Instances of an object: by a collection, vertices, faces or particles."""
-    kind = dice.of("collection", "VERTS", "FACES", "particles")
+    kind = dice.of("collection", "VERTS", "FACES", "particles", "nodes")
     dice.tell(f"instances {kind}")
     scene = bpy.context.scene
     if kind == "collection":
@@ -94,7 +115,9 @@ def add_copies(dice: Dice, obj) -> None:
         for _ in range(dice.whole(1, 3)):
             empty = bpy.data.objects.new("Copy", None)
             empty.instance_type, empty.instance_collection = "COLLECTION", group
-            empty.location, empty.scale = dice.vector(-1.0, 1.0), dice.vector(0.5, 1.0)
+            empty.location, empty.scale = dice.vector(-1.0, 1.0), dice.vector(0.4, 1.2)
+            if dice.chance(0.3):
+                empty.scale.y *= -1.0
             empty.rotation_euler = dice.vector(-1.0, 1.0)
             _looks(dice, empty)
             scene.collection.objects.link(empty)
@@ -103,7 +126,9 @@ def add_copies(dice: Dice, obj) -> None:
     parent = bpy.context.object
     parent.data.materials.append(obj.data.materials[0])
     _looks(dice, parent)
-    if kind == "particles":
+    if kind == "nodes":
+        _instance_nodes(dice, parent, obj)
+    elif kind == "particles":
         settings = parent.modifiers.new("P", "PARTICLE_SYSTEM").particle_system.settings
         settings.type, settings.count, settings.hair_length = "HAIR", 12, 0.3
         settings.render_type, settings.instance_object = "OBJECT", obj
@@ -111,3 +136,33 @@ def add_copies(dice: Dice, obj) -> None:
     else:
         obj.parent, parent.instance_type = parent, kind
         obj.location, obj.scale = (0.0, 0.0, 0.0), (0.2, 0.2, 0.2)
+
+
+def _instance_nodes(dice: Dice, parent, obj) -> None:
+    """Geometry nodes that put an object on the parent's points, turned, of several sizes."""
+    group = bpy.data.node_groups.new("Copies", "GeometryNodeTree")
+    for name, way in (("In", "INPUT"), ("Out", "OUTPUT")):
+        group.interface.new_socket(name, in_out=way, socket_type="NodeSocketGeometry")
+    kinds = (
+        "NodeGroupInput GeometryNodeObjectInfo GeometryNodeInstanceOnPoints FunctionNodeRandomValue"
+    )
+    kinds += " GeometryNodeStoreNamedAttribute NodeGroupOutput FunctionNodeRandomValue"
+    given, info, copies, size, stored, out, turn = map(group.nodes.new, kinds.split())
+    info.inputs["Object"].default_value = obj
+    size.data_type = turn.data_type = "FLOAT_VECTOR"
+    low = -0.3 if dice.chance(0.3) else 0.1
+    size.inputs["Min"].default_value, size.inputs["Max"].default_value = (low,) * 3, (0.4,) * 3
+    turn.inputs["Max"].default_value = (6.0, 6.0, 6.0)
+    stored.domain, stored.data_type = "INSTANCE", "FLOAT_COLOR"
+    stored.inputs["Name"].default_value = NAME
+    stored.inputs["Value"].default_value = (*dice.color(), 1.0)
+    for source, target in (
+        (given.outputs[0], copies.inputs["Points"]),
+        (info.outputs["Geometry"], copies.inputs["Instance"]),
+        (size.outputs[0], copies.inputs["Scale"]),
+        (turn.outputs[0], copies.inputs["Rotation"]),
+        (copies.outputs[0], stored.inputs[0]),
+        (stored.outputs[0], out.inputs[0]),
+    ):
+        group.links.new(source, target)
+    parent.modifiers.new("Copies", "NODES").node_group = group

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import nodes
+from . import attributes, nodes
 from .dice import Dice
 
 
@@ -28,6 +28,8 @@ def color(dice: Dice, tree, depth=2):
 def place(dice: Dice, tree):
     """A vector that textures are looked up by."""
     vector = tree.coordinates(dice.of("Object", "Generated", "UV", "Normal"))
+    if dice.chance(0.15):
+        vector = attributes.read_place(dice, tree)
     if dice.chance(0.5):
         return vector
     inputs = {"Vector": vector}
@@ -53,6 +55,8 @@ def _factor(dice, tree, depth):
         return nodes.calculated(dice, tree, number(dice, tree, depth=depth - 1))
     if dice.chance(0.2):
         return nodes.of_shape(dice, tree)
+    if dice.chance(0.15):
+        return attributes.read_number(dice, tree)
     kind = dice.of(*kinds)
     named = kind.endswith(("Voronoi", "Gabor"))
     return _made(dice, tree, kind, kinds[kind] if named else 1)

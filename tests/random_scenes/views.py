@@ -31,11 +31,15 @@ def view(dice: Dice, scene) -> None:
     if dice.chance(0.15):
         data.dof.use_dof, data.dof.focus_distance = True, dice.between(3.0, 8.0)
         data.dof.aperture_fstop = dice.spread(0.2, 3.0)
+        data.dof.aperture_blades, data.dof.aperture_rotation = dice.of(0, 3, 6), dice.between(0, 3)
+        data.dof.aperture_ratio = dice.of(1.0, dice.between(0.5, 2.0))
         dice.tell("depth of field")
     scene.render.film_transparent = dice.chance(0.3)
     scene.cycles.film_exposure = dice.of(1.0, 1.0, dice.between(0.5, 2.0))
     if dice.chance(0.15):
-        scene.render.pixel_aspect_x = 1.5
+        scene.render.pixel_aspect_x = dice.of(1.5, 0.7)
+        data.sensor_fit = dice.of("AUTO", "HORIZONTAL", "VERTICAL")
+    scene.cycles.pixel_filter_type = dice.of(*["BLACKMAN_HARRIS"] * 3, "GAUSSIAN", "BOX")
     if dice.chance(0.15):
         scene.render.use_border, scene.render.use_crop_to_border = True, True
         scene.render.border_min_x, scene.render.border_max_x = 0.25, 0.9
@@ -47,7 +51,9 @@ def _panorama(dice, camera):
     data = camera.data
     owner = data if hasattr(data, "panorama_type") else data.cycles
     kinds = ("EQUIRECTANGULAR", "FISHEYE_EQUIDISTANT", "FISHEYE_EQUISOLID", "MIRRORBALL")
-    owner.panorama_type = dice.of(*kinds)
+    more = ("EQUIANGULAR_CUBEMAP_FACE", "FISHEYE_LENS_POLYNOMIAL", "CENTRAL_CYLINDRICAL")
+    owner.panorama_type = dice.of(*kinds, *more)
+    dice.tell(owner.panorama_type.lower())
     # Cycles' bumps ask the next pixel's ray, which beyond a fisheye's circle has no direction.
     dice.bumps = False
     camera.location = (0.1, -2.5, 0.4)
@@ -57,10 +63,11 @@ def _panorama(dice, camera):
 def flags(dice: Dice, scene) -> None:
     """Shadow catchers, holdouts, what the camera does not see.
 
-    Beside a catcher, before a world, Cycles blends the world into the edges of a holdout twice.
+    Before a world Cycles takes the world behind a catcher twice by the part of a pixel that it
+    fills: dark edges of what stands before it, which IWIS has not. So catchers are for films alone.
     """
-    both = scene.render.film_transparent
-    kinds = ("camera", "holdout", "catcher") if both else ("camera", dice.of("holdout", "catcher"))
+    film = scene.render.film_transparent
+    kinds = ("camera", "holdout", "catcher") if film else ("camera", "holdout")
     for obj in scene.objects:
         if obj.type in ("LIGHT", "CAMERA", "EMPTY") or not dice.chance(0.12):
             continue

@@ -15,7 +15,9 @@ def world(dice: Dice, scene) -> None:
     if made.node_tree is None:
         made.use_nodes = True
     tree = Tree(made.node_tree, "ShaderNodeOutputWorld")
-    kind = dice.of(_black, _even, _picture, _picture, _sun, _sun, _tree, _two)
+    kind = dice.of(_black, _even, _picture, _picture, _sun, _sun, _tree, _two, _seen, _varied)
+    if dice.chance(0.05):
+        kind = _sky
     dice.tell(f"world {kind.__name__[1:]}")
     tree.surface(kind(dice, tree))
     made.cycles_visibility.camera = not dice.chance(0.1)
@@ -99,3 +101,34 @@ def _two(dice, tree):
     for part, socket in zip(parts, node.inputs[-2:], strict=True):
         tree.tree.links.new(part, socket)
     return node.outputs[0]
+
+
+def _seen(dice, tree):
+    """One light, another picture for the camera."""
+    node = tree.node("ShaderNodeMixShader")
+    seen = dice.of("Is Camera Ray", "Is Camera Ray", "Is Shadow Ray")
+    tree.link(tree.made("ShaderNodeLightPath", seen), node.inputs[0])
+    for part, socket in zip((_picture, _even), node.inputs[1:], strict=True):
+        tree.tree.links.new(part(dice, tree), socket)
+    return node.outputs[0]
+
+
+def _varied(dice, tree):
+    """A picture whose strength is a gradient's or a noise's."""
+    height = dice.of(16, 32)
+    color = _environment(dice, tree, dice.pixels(height, 2 * height))
+    kind = dice.of("ShaderNodeTexGradient", "ShaderNodeTexNoise")
+    factor = tree.made(kind, dice.of(0, 1), {"Vector": _turned(dice, tree)})
+    inputs = {"Value": factor, "To Min": dice.between(0.0, 0.5), "To Max": dice.between(0.5, 2.0)}
+    return _background(tree, color, tree.made("ShaderNodeMapRange", 0, inputs))
+
+
+def _sky(dice, tree):
+    node = tree.node("ShaderNodeTexSky")
+    node.sky_type = dice.of(*[k.identifier for k in node.bl_rna.properties["sky_type"].enum_items])
+    dice.tell(node.sky_type.lower())
+    node.sun_elevation, node.sun_rotation = dice.between(0.1, 1.3), dice.between(0.0, 6.0)
+    node.sun_size, node.sun_disc = dice.between(0.01, 0.2), dice.chance(0.6)
+    node.sun_intensity = 0.1
+    strong = node.sky_type in ("PREETHAM", "HOSEK_WILKIE")
+    return _background(tree, node.outputs[0], 0.5 if strong else 0.05)
