@@ -35,41 +35,87 @@ class ImageError(ValueError):
 
 def read_texels(image, image_user=None) -> Texels:
     """The texels of the image at the frame of its user. Raises ImageError with what to do."""
+    return read_by(texels_of, image, image_user)
+
+
+def read_by(read, image, image_user):
+    """read(data-block) of the image at the frame of its user, as Texels or otherwise."""
     if image is None:
         raise ImageError("no image is chosen: choose one in the node, or remove the node")
     if image.source == "SEQUENCE" and image_user is not None and not image.packed_files:
         path = bpy.path.abspath(image.filepath_from_user(image_user=image_user))
-        return _read_file(path, image.colorspace_settings.name, image.alpha_mode)
+        return _read_file(path, image.colorspace_settings.name, image.alpha_mode, read)
     loaded = image.has_data
     try:
-        return _texels_of(image)
+        return read(image)
     finally:
         if bpy.app.background and not loaded:  # nobody else needs it: 2 GB of 16384 x 8192 texels
             image.buffers_free()
 
 
-def _texels_of(image) -> Texels:
+def texels_of(image) -> Texels:
+    """As read_texels, of a data-block that has but one frame."""
     rgba = pixels_of(image)
     color, alpha = rgba[..., :3], rgba[..., 3:]
     encoded = not image.is_float
-    path = bpy.path.abspath(image.filepath, library=image.library)
-    builtin = bool(image.packed_file) or image.source != "FILE"
     space = image.colorspace_settings
-    if image.alpha_mode in ("STRAIGHT", "PREMUL") and not space.is_data and alpha.min() < 1.0:
-        if not builtin and os.path.exists(path):
+    if _has_clear_parts(image, alpha, 1.0):
+        if not _is_builtin(image) and os.path.exists(_path_of(image)):
             # Blender has multiplied by alpha, or divided: begin with the file's own numbers.
-            color, encoded = _load(path, "Non-Color", "CHANNEL_PACKED", _color), True
-        if _multiplied_by_alpha(image, builtin):
+            color, encoded = _load(_path_of(image), "Non-Color", "CHANNEL_PACKED", _color), True
+        if _multiplied_by_alpha(image, _is_builtin(image)):
             color = _multiplied(color, alpha, image.is_float)
     color = np.ascontiguousarray(color, np.float32)
     srgb = space.name == "sRGB" and working_space() == _WORKING_SPACE_OF_4
     if not encoded:
-        return Texels(color, srgb and not builtin)
+        return Texels(color, srgb and not _is_builtin(image))
     if space.is_data or space.name in (working_space(), "scene_linear"):
         return Texels(color, False)
     if srgb:
         return Texels(_srgb_decode(color) if image.is_float else _srgb_decode_bytes(color), True)
     return Texels(_convert(color, space.name), False)
+
+
+def bytes_of(image) -> np.ndarray | None:
+    """uint8 (h, w, 4): texels that Cycles interpolates as bytes, of data or in sRGB, with alpha;
+    None: of this data-block it interpolates floats."""
+    space = image.colorspace_settings
+    srgb = space.name == "sRGB" and working_space() == _WORKING_SPACE_OF_4
+    rgba = pixels_of(image)
+    if image.is_float or not (srgb or space.is_data):
+        return None
+    rgba = _to_bytes(rgba)
+    if _has_clear_parts(image, rgba[..., 3], 255):
+        if not _is_builtin(image) and os.path.exists(_path_of(image)):
+            own = _load(_path_of(image), "Non-Color", "CHANNEL_PACKED", pixels_of)
+            rgba[..., :3] = _to_bytes(own)[..., :3]
+        if _multiplied_by_alpha(image, _is_builtin(image)):
+            # As Cycles: the product of bytes, which fits into 16 bits, without its fraction.
+            product = rgba[..., :3] * rgba[..., 3:].astype(np.uint16)
+            rgba[..., :3] = product // np.uint16(255)
+    return rgba
+
+
+def _to_bytes(rgba: np.ndarray) -> np.ndarray:
+    """uint8 of float32 (h, w, 4) that were bytes; by rows, which fit into caches."""
+    out = np.empty(rgba.shape, np.uint8)
+    for row, pixels in zip(out, rgba, strict=True):
+        row[:] = np.rint(pixels * np.float32(255.0))
+    return out
+
+
+def _has_clear_parts(image, alpha, whole) -> bool:
+    """Whether colors count as multiplied by their alpha, and any alpha is less than ``whole``."""
+    associates = image.alpha_mode in ("STRAIGHT", "PREMUL")
+    return associates and not image.colorspace_settings.is_data and alpha.min() < whole
+
+
+def _is_builtin(image) -> bool:
+    return bool(image.packed_file) or image.source != "FILE"
+
+
+def _path_of(image) -> str:
+    return bpy.path.abspath(image.filepath, library=image.library)
 
 
 def _multiplied_by_alpha(image, builtin) -> bool:
@@ -127,11 +173,11 @@ def _what_is_wrong(image) -> str:
     return f"cannot be read from {path}: the file is damaged or of an unknown kind, replace it"
 
 
-def _read_file(path, space, alpha_mode) -> Texels:
-    """The texels of a file that has no data-block of its own, such as a frame of a sequence."""
+def _read_file(path, space, alpha_mode, read):
+    """read(image) of a file that has no data-block of its own, such as a frame of a sequence."""
     if not os.path.exists(path):
         raise ImageError(f"there is no file {path}: check the sequence's first frame and its path")
-    return _load(path, space, alpha_mode, read_texels)
+    return _load(path, space, alpha_mode, read)
 
 
 def _load(path, space, alpha_mode, read):

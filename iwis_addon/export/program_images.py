@@ -15,7 +15,7 @@ import numpy as np
 
 from ...core.program import ImageTiles
 from ..scratch import scratch
-from .image import ImageError, pixels_of, read_texels
+from .image import ImageError, bytes_of, pixels_of, read_by, texels_of
 
 _FIRST_TILE = 1001
 
@@ -120,25 +120,26 @@ def _read_tile(image, path: str, packed: bool):
 
 def _read_rgba(image, image_user) -> tuple[np.ndarray, bool]:
     """(uint8 or float32 (h, w, 4), whether it is sRGB still)."""
-    alpha = _alpha_of(image)
-    texels = read_texels(image, image_user)
-    rgb, encoded = texels.rgb, texels.srgb_interpolation
-    if alpha is None or alpha.shape != rgb.shape[:2]:
-        alpha = np.ones(rgb.shape[:2], np.float32)
-    if encoded:
-        rgb = _srgb_encoded(rgb)
-    rgba = np.concatenate([rgb, alpha[..., None]], -1).astype(np.float32)
-    of_bytes = not image.is_float and (encoded or image.colorspace_settings.is_data)
-    if of_bytes:
-        return np.rint(np.clip(rgba, 0.0, 1.0) * 255.0).astype(np.uint8), encoded
+    no_alpha = image.alpha_mode == "NONE" or image.source == "SEQUENCE"
+
+    def read(own):
+        rgba = bytes_of(own)
+        if rgba is None:
+            return _floats_of(own, no_alpha)
+        if no_alpha:
+            rgba[..., 3] = 255
+        return rgba, not own.colorspace_settings.is_data
+
+    return read_by(read, image, image_user)
+
+
+def _floats_of(image, no_alpha) -> tuple[np.ndarray, bool]:
+    rgb, encoded = texels_of(image)
+    rgba = np.ones((*rgb.shape[:2], 4), np.float32)
+    rgba[..., :3] = _srgb_encoded(rgb) if encoded else rgb
+    if not no_alpha:
+        rgba[..., 3] = pixels_of(image)[..., 3]
     return rgba, encoded
-
-
-def _alpha_of(image):
-    """float32 (h, w), or None where it counts as 1."""
-    if image.alpha_mode == "NONE" or image.source == "SEQUENCE":
-        return None
-    return pixels_of(image)[..., 3]
 
 
 def _srgb_encoded(linear: np.ndarray) -> np.ndarray:
