@@ -22,7 +22,6 @@ from ...core.scene import (
 )
 from .hair_shaders import HairShaders
 from .node_values import follow
-from .program_builder import ProgramBuilder
 from .surface_parts import BLACK, DISTRIBUTIONS, ONE, WHITE, ZERO, is_constant
 
 # Principled's inputs that are left out, unless they stand at the value where they do nothing.
@@ -43,29 +42,6 @@ _WITHOUT_WEIGHT = {
 class ShaderReader(HairShaders):
     """Adds what stands behind a shader socket to its ``parts``."""
 
-    def __init__(self, builder: ProgramBuilder):
-        super().__init__(builder)
-        self._shaders = {
-            "ShaderNodeBsdfDiffuse": self._diffuse,
-            "ShaderNodeBsdfPrincipled": self._principled,
-            "ShaderNodeBsdfGlossy": self._glossy,
-            "ShaderNodeBsdfAnisotropic": self._glossy,
-            "ShaderNodeBsdfMetallic": self._metallic,
-            "ShaderNodeEmission": self._emission,
-            "ShaderNodeBsdfTransparent": self._transparent,
-            "ShaderNodeMixShader": self._mix,
-            "ShaderNodeAddShader": self._add,
-            "ShaderNodeHoldout": self._holdout,
-            "ShaderNodeBsdfSheen": self._sheen,
-            "ShaderNodeBsdfToon": self._toon,
-            "ShaderNodeBsdfTranslucent": self._translucent,
-            "ShaderNodeBsdfGlass": self._glass,
-            "ShaderNodeBsdfRefraction": self._refraction,
-            "ShaderNodeSubsurfaceScattering": self._subsurface,
-            "ShaderNodeBsdfHairPrincipled": self._principled_hair,
-            "ShaderNodeBsdfHair": self._hair,
-        }
-
     def read(self, socket, groups=(), weight: Value = WHITE) -> None:
         """Add the shader behind a socket, all of it times a colour. Nothing: nothing is added."""
         end = follow(socket, groups)
@@ -78,7 +54,8 @@ class ShaderReader(HairShaders):
             return
         if end.node.bl_idname not in _WITHOUT_WEIGHT:
             self.parts.shown.append(weight)
-        self._shaders.get(end.node.bl_idname, self._other)(end.node, end.groups, weight)
+        read = _SHADERS.get(end.node.bl_idname, ShaderReader._other)
+        read(self, end.node, end.groups, weight)
 
     def _diffuse(self, node, groups, weight):
         color = self._builder.color(node, "Color", groups)
@@ -236,3 +213,27 @@ class ShaderReader(HairShaders):
     def _both(self, node, groups, weights):
         for socket, weight in zip(node.inputs[-2:], weights, strict=True):
             self.read(socket, groups, weight)
+
+
+# Functions, not bound methods: a reader that knew itself would live on, and a render's images with
+# it, until Python looks for cycles.
+_SHADERS = {
+    "ShaderNodeBsdfDiffuse": ShaderReader._diffuse,
+    "ShaderNodeBsdfPrincipled": ShaderReader._principled,
+    "ShaderNodeBsdfGlossy": ShaderReader._glossy,
+    "ShaderNodeBsdfAnisotropic": ShaderReader._glossy,
+    "ShaderNodeBsdfMetallic": ShaderReader._metallic,
+    "ShaderNodeEmission": ShaderReader._emission,
+    "ShaderNodeBsdfTransparent": ShaderReader._transparent,
+    "ShaderNodeMixShader": ShaderReader._mix,
+    "ShaderNodeAddShader": ShaderReader._add,
+    "ShaderNodeHoldout": ShaderReader._holdout,
+    "ShaderNodeBsdfSheen": ShaderReader._sheen,
+    "ShaderNodeBsdfToon": ShaderReader._toon,
+    "ShaderNodeBsdfTranslucent": ShaderReader._translucent,
+    "ShaderNodeBsdfGlass": ShaderReader._glass,
+    "ShaderNodeBsdfRefraction": ShaderReader._refraction,
+    "ShaderNodeSubsurfaceScattering": ShaderReader._subsurface,
+    "ShaderNodeBsdfHairPrincipled": ShaderReader._principled_hair,
+    "ShaderNodeBsdfHair": ShaderReader._hair,
+}
