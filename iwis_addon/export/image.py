@@ -9,6 +9,7 @@ sRGB (not those of packed or generated float images) are interpolated before the
 
 from __future__ import annotations
 
+import functools
 import os
 import tempfile
 from typing import NamedTuple
@@ -76,18 +77,33 @@ def texels_of(image) -> Texels:
     return Texels(_convert(color, space.name), False)
 
 
-def bytes_of(image) -> np.ndarray | None:
+class Room:
+    """Memory for the pixels of one image after another: the system clears what is new, 67 MB of
+    2048 x 2048 texels, which takes longer than to fill it."""
+
+    def __init__(self):
+        self._flat = np.empty(0, np.float32)
+
+    def take(self, n: int) -> np.ndarray:
+        """float32 (n,), which the next call overwrites."""
+        if len(self._flat) < n:
+            self._flat = np.empty(n, np.float32)
+        return self._flat[:n]
+
+
+def bytes_of(image, room: Room) -> np.ndarray | None:
     """uint8 (h, w, 4): texels that Cycles interpolates as bytes, of data or in sRGB, with alpha;
     None: of this data-block it interpolates floats."""
     space = image.colorspace_settings
     srgb = space.name == "sRGB" and working_space() == _WORKING_SPACE_OF_4
-    rgba = pixels_of(image)
+    pixels = pixels_of(image, room)
     if image.is_float or not (srgb or space.is_data):
         return None
-    rgba = _to_bytes(rgba)
+    rgba = _to_bytes(pixels)
     if _has_clear_parts(image, rgba[..., 3], 255):
         if not _is_builtin(image) and os.path.exists(_path_of(image)):
-            own = _load(_path_of(image), "Non-Color", "CHANNEL_PACKED", pixels_of)
+            read = functools.partial(pixels_of, room=room)
+            own = _load(_path_of(image), "Non-Color", "CHANNEL_PACKED", read)
             rgba[..., :3] = _to_bytes(own)[..., :3]
         if _multiplied_by_alpha(image, _is_builtin(image)):
             # As Cycles: the product of bytes, which fits into 16 bits, without its fraction.
@@ -98,9 +114,10 @@ def bytes_of(image) -> np.ndarray | None:
 
 def _to_bytes(rgba: np.ndarray) -> np.ndarray:
     """uint8 of float32 (h, w, 4) that were bytes; by rows, which fit into caches."""
-    out = np.empty(rgba.shape, np.uint8)
+    out, whole = np.empty(rgba.shape, np.uint8), np.empty(rgba.shape[1:], np.float32)
     for row, pixels in zip(out, rgba, strict=True):
-        row[:] = np.rint(pixels * np.float32(255.0))
+        np.multiply(pixels, np.float32(255.0), out=whole)
+        row[:] = np.rint(whole, out=whole)
     return out
 
 
@@ -140,12 +157,12 @@ def _color(image) -> np.ndarray:
     return np.ascontiguousarray(pixels_of(image)[..., :3])
 
 
-def pixels_of(image) -> np.ndarray:
-    """image.pixels as float32 (h, w, 4)."""
+def pixels_of(image, room: Room | None = None) -> np.ndarray:
+    """image.pixels as float32 (h, w, 4); in the room, if there is one."""
     width, height = image.size  # loads the file
     if width * height == 0 or image.channels == 0:
         raise ImageError(f"image {image.name!r} {_what_is_wrong(image)}")
-    flat = np.empty(width * height * image.channels, np.float32)
+    flat = (room or Room()).take(width * height * image.channels)
     try:
         image.pixels.foreach_get(flat)
     except (TypeError, RuntimeError) as error:

@@ -6,6 +6,7 @@ node's Alpha is used. Texels in sRGB are decoded after that.
 
 from __future__ import annotations
 
+import functools
 import os
 import tempfile
 from contextlib import nullcontext
@@ -15,7 +16,7 @@ import numpy as np
 
 from ...core.program import ImageTiles
 from ..scratch import scratch
-from .image import ImageError, bytes_of, pixels_of, read_by, texels_of
+from .image import ImageError, Room, bytes_of, pixels_of, read_by, texels_of
 
 _FIRST_TILE = 1001
 
@@ -29,13 +30,15 @@ class ImageStore:
     def __init__(self, cache=None):
         self._cache = cache
         self._read: dict[tuple, ImageTiles] = {}
+        self._room = Room()
 
     def tiles(self, image, image_user) -> ImageTiles:
         """Raises ImageError with what to do."""
         frame = 0 if image_user is None else image_user.frame_current
         key = image.session_uid, frame if image.source in ("SEQUENCE", "MOVIE") else 0
         if key not in self._read:
-            make = _read_tiles if image.source == "TILED" else _read_image
+            kind = _read_tiles if image.source == "TILED" else _read_image
+            make = functools.partial(kind, room=self._room)
             if self._cache is None:
                 self._read[key] = make(image, image_user)
             else:
@@ -68,26 +71,26 @@ def image_settings(builder, node) -> dict:
     }
 
 
-def _read_image(image, image_user) -> ImageTiles:
-    rgba, encoded = _read_rgba(image, image_user)
+def _read_image(image, image_user, room) -> ImageTiles:
+    rgba, encoded = _read_rgba(image, image_user, room)
     return ImageTiles({(0, 0): rgba}, encoded)
 
 
-def _read_tiles(image, _image_user) -> ImageTiles:
+def _read_tiles(image, _image_user, room) -> ImageTiles:
     """The tiles of a UDIM image, each from its own file, or from what is packed."""
     try:
-        return _read_all_tiles(image)
+        return _read_all_tiles(image, room)
     except OSError as error:
         told = f"cannot be put into the temporary folder ({error.strerror or error})"
         raise ImageError(f"image {image.name!r}: its packed tiles {told}: make room") from None
 
 
-def _read_all_tiles(image) -> ImageTiles:
+def _read_all_tiles(image, room) -> ImageTiles:
     packed = {entry.tile_number: entry for entry in image.packed_files}
     tiles, encoded = {}, False
     # Only packed tiles pass through a folder: others need none that can be written.
-    room = tempfile.TemporaryDirectory(prefix="iwis-tiles-") if packed else nullcontext()
-    with room as folder:
+    place = tempfile.TemporaryDirectory(prefix="iwis-tiles-") if packed else nullcontext()
+    with place as folder:
         for tile in image.tiles:
             number = tile.number - _FIRST_TILE
             path = _tile_path(image, number)
@@ -98,7 +101,8 @@ def _read_all_tiles(image) -> ImageTiles:
             elif not os.path.exists(path):
                 why = f"there is no file {path} of tile {tile.number}"
                 raise ImageError(f"image {image.name!r}: {why}")
-            tiles[number % 10, number // 10], encoded = _read_tile(image, path, bool(packed))
+            read = _read_tile(image, path, bool(packed), room)
+            tiles[number % 10, number // 10], encoded = read
     return ImageTiles(tiles, encoded)
 
 
@@ -109,21 +113,21 @@ def _tile_path(image, number: int) -> str:
     return path.replace("<UVTILE>", f"u{number % 10 + 1}_v{number // 10 + 1}")
 
 
-def _read_tile(image, path: str, packed: bool):
+def _read_tile(image, path: str, packed: bool, room):
     with scratch(bpy.data.images, bpy.data.images.load(path)) as loaded:
         loaded.colorspace_settings.name = image.colorspace_settings.name
         loaded.alpha_mode = image.alpha_mode
         if packed:
             loaded.pack()
-        return _read_rgba(loaded, None)
+        return _read_rgba(loaded, None, room)
 
 
-def _read_rgba(image, image_user) -> tuple[np.ndarray, bool]:
+def _read_rgba(image, image_user, room) -> tuple[np.ndarray, bool]:
     """(uint8 or float32 (h, w, 4), whether it is sRGB still)."""
     no_alpha = image.alpha_mode == "NONE" or image.source == "SEQUENCE"
 
     def read(own):
-        rgba = bytes_of(own)
+        rgba = bytes_of(own, room)
         if rgba is None:
             return _floats_of(own, no_alpha)
         if no_alpha:

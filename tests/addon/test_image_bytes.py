@@ -4,16 +4,16 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.image import bytes_of, texels_of
+from iwis.iwis_addon.export.image import Room, bytes_of, texels_of
 from iwis.iwis_addon.export.program_images import ImageStore
 
 
-def save_png(folder, name="t.png", alpha=True):
-    """A file of 9 x 7 texels whose colors and alphas are all kinds of bytes."""
+def save_png(folder, name="t.png", width=9):
+    """A file of texels, 7 rows, whose colors and alphas are all kinds of bytes."""
     rng = np.random.default_rng(0)
-    pixels = rng.integers(0, 256, (7, 9, 4)) / np.float32(255.0)
+    pixels = rng.integers(0, 256, (7, width, 4)) / np.float32(255.0)
     pixels[0, 0], pixels[0, 1] = 0.0, 1.0
-    made = bpy.data.images.new("made", 9, 7, alpha=alpha)
+    made = bpy.data.images.new("made", width, 7, alpha=True)
     made.pixels.foreach_set(pixels.astype(np.float32).ravel())
     made.filepath_raw, made.file_format = str(folder / name), "PNG"
     made.save()
@@ -40,7 +40,7 @@ def test_bytes_are_those_of_the_linear_texels(tmp_path, space, mode, packed):
         image.pack()
     rgb = texels_of(image).rgb
     expected = np.rint(rgb * 255.0) if space == "Non-Color" else encoded(rgb)
-    np.testing.assert_array_equal(bytes_of(image)[..., :3], expected)
+    np.testing.assert_array_equal(bytes_of(image, Room())[..., :3], expected)
     bpy.data.images.remove(image)
 
 
@@ -48,7 +48,7 @@ def test_other_spaces_are_no_bytes(tmp_path):
     """Cycles interpolates these when they are scene-linear."""
     image = bpy.data.images.load(save_png(tmp_path))
     image.colorspace_settings.name = "Linear Rec.709"
-    assert bytes_of(image) is None
+    assert bytes_of(image, Room()) is None
     tiles = ImageStore().tiles(image, None)
     assert tiles.tiles[0, 0].dtype == np.float32 and not tiles.encoded
     bpy.data.images.remove(image)
@@ -62,3 +62,15 @@ def test_blender_keeps_no_copy_that_it_did_not_have(tmp_path, space):
     ImageStore().tiles(image, None)
     assert not image.has_data
     bpy.data.images.remove(image)
+
+
+def test_an_image_survives_the_next_one(tmp_path):
+    """They are read through the same memory."""
+    images = [bpy.data.images.load(save_png(tmp_path, f"{k}.png", k)) for k in (9, 5)]
+    store = ImageStore()
+    first = store.tiles(images[0], None).tiles[0, 0]
+    before = first.copy()
+    store.tiles(images[1], None)
+    np.testing.assert_array_equal(first, before)
+    for image in images:
+        bpy.data.images.remove(image)
