@@ -66,7 +66,8 @@ def texels_of(image) -> Texels:
             color, encoded = _load(_path_of(image), "Non-Color", "CHANNEL_PACKED", _color), True
         if _multiplied_by_alpha(image, _is_builtin(image)):
             color = _multiplied(color, alpha, image.is_float)
-    color = np.ascontiguousarray(color, np.float32)
+    whole = color.base is not None and color.base is rgba.base
+    color = _without_alpha(rgba) if whole else np.ascontiguousarray(color, np.float32)
     srgb = space.name == "sRGB" and working_space() == _WORKING_SPACE_OF_4
     if not encoded:
         return Texels(color, srgb and not _is_builtin(image))
@@ -75,6 +76,16 @@ def texels_of(image) -> Texels:
     if srgb:
         return Texels(_srgb_decode(color) if image.is_float else _srgb_decode_bytes(color), True)
     return Texels(_convert(color, space.name), False)
+
+
+def _without_alpha(rgba: np.ndarray) -> np.ndarray:
+    """float32 (h, w, 3) in the memory of float32 (h, w, 4), which is lost: of 16384 x 8192 texels
+    2 GB, beside Blender's own."""
+    (height, width, _), flat = rgba.shape, rgba.base
+    for y in range(height):  # a row lands where those before it have been
+        flat[3 * width * y : 3 * width * (y + 1)].reshape(width, 3)[:] = rgba[y, :, :3]
+    flat.resize(3 * width * height, refcheck=False)  # nobody looks at rgba any more
+    return flat.reshape(height, width, 3)
 
 
 class Room:
