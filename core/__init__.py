@@ -13,13 +13,13 @@ In the order of the data; a module imports only from groups with a smaller numbe
     luminance, lambert_kinds
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
-    glossy_normal, lamp_shapes, lamp_choice, lamp_pictures, emitter_tree, sheen, toon, islands,
+    glossy_normal, lamp_shapes, lamp_pictures, emitter_tree, sheen, toon, islands,
     closed_meshes, embree_hits, denoise, hair_frame,
     bump, stretched, lobes, cell_numbers, shapes, gabor
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
     voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser, bake_rays,
-    walk_steps, round_points, hair
+    walk_steps, round_points, hair, lamp_choice
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, sample_order, measured, lobe_setup, embree_instances, hair_cells,
