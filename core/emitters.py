@@ -10,10 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from .closed_meshes import hidden_sides
+from .cutouts import cut_materials
 from .emission_parts import Told, parts_that_shine
 from .emitter_tree import face_tree
 from .lamps import MESH, NO_LAMPS, LampFaces, Lamps, make_lamps
-from .scene import Scene, TriangleMesh
+from .scene import SHADOW_RAYS, Scene, TriangleMesh
 
 
 def with_emitters(
@@ -43,7 +44,7 @@ def with_emitters(
     kinds = [none if column is None else column[owner] for column in (link, group)]
     kinds.append(parts.falloff)
     _, kind = np.unique(kinds, axis=1, return_inverse=True)
-    seldom = hidden_sides(mesh, parts.face)
+    seldom = _seldom(mesh, parts.face, scene)
     for one in range(kind.max() + 1):
         own = np.flatnonzero(kind.reshape(-1) == one)
         tree = face_tree(parts.corners[own], parts.radiance[own], parts.face[own], seldom[own])
@@ -58,3 +59,12 @@ def with_emitters(
         root += len(tree.leaves)
         trees.append(tree)
     return make_lamps(rows, LampFaces(*map(np.concatenate, zip(*trees, strict=True))))
+
+
+def _seldom(mesh: TriangleMesh, face, scene: Scene | None) -> np.ndarray:
+    """hidden_sides of faces of objects through which nothing looks."""
+    if scene is None:
+        return hidden_sides(mesh, face)
+    flags = scene.object_flags
+    blocks = None if flags is None else (flags & SHADOW_RAYS) != 0
+    return hidden_sides(mesh, face, cut_materials(scene), blocks)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from iwis.core.closed_meshes import hidden_sides
 from iwis.core.emitters import with_emitters
 from iwis.core.lamp_meshes import sample_mesh
 from iwis.core.lamps import BLOCK, MESH, NO_LAMPS, RECTANGLE
@@ -93,7 +94,8 @@ def _hidden(vertices, triangles):
 
 def test_the_inside_of_closed_surfaces_is_seldom_drawn():
     """Of a box the backs of its faces, or their fronts if it is turned over; of seams whatever; an
-    open box has no inside, nor has one with a face that is turned over, nor a sheet."""
+    open box has no inside, nor has one with a face that is turned over, nor a sheet, nor what can
+    be looked through."""
     vertices, triangles = box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))[:2]
     triangles = np.asarray(triangles)
     seams = np.asarray(vertices)[triangles.ravel()], np.arange(len(triangles) * 3).reshape(-1, 3)
@@ -102,6 +104,10 @@ def test_the_inside_of_closed_surfaces_is_seldom_drawn():
     assert _hidden(vertices, triangles[:, ::-1]) == 0
     for open_one in (triangles[1:], over, np.concatenate([triangles, triangles[:1]])):
         assert _hidden(vertices, open_one) == -1
+    mesh = mesh_of(vertices, triangles)
+    every = np.arange(len(triangles))
+    for through in ({"clear": np.array([False, True])}, {"blocks": np.array([False])}):
+        assert (hidden_sides(mesh, every, **through) == 1.0).all()
     flat = sheet(3)
     assert _hidden(flat.vertices, flat.triangles) == -1
 
