@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from iwis.core.lamp_light import ALL_LAMPS
 from iwis.core.lamps import (
     BEAM,
     BY_DIFFUSE,
@@ -245,61 +244,6 @@ def test_lamps_light_the_lobes_that_see_them():
         np.testing.assert_array_equal(found[:, part], both[:, part])
         found[:, part] = 0.0
         assert not found.any()
-
-
-@pytest.mark.slow
-@pytest.mark.statistical
-def test_many_lamps_are_chosen_from_without_bias():
-    """40 lamps, of which 8 are taken: the mean is that of all by name, alpha 1e-3."""
-    rng = np.random.default_rng(5)
-    rows = []
-    for _ in range(40):
-        position = rng.uniform((-3.0, -3.0, 0.5), (3.0, 3.0, 3.0))
-        kind = (SPHERE, RECTANGLE)[int(rng.integers(2))]
-        size = (0.2, 0.0) if kind == SPHERE else (0.3, 0.2)
-        rows.append({"kind": kind, "position": position, "size": size, "radiance": rng.random()})
-    rows.append({"kind": SUN, "radiance": 0.01, "size": (0.05, 0.0)})
-    assert len(rows) > ALL_LAMPS
-    for material in ("paint", "shiny"):
-        expected = sum(
-            sampled(rows[k : k + 14], MATERIALS[material], 1000, 64).mean(0).sum()
-            for k in range(0, len(rows), 14)
-        )
-        found = sampled(rows, MATERIALS[material], 8000, 8).sum(1)  # sees an error of 5 %
-        # The other way has an error too: 64000 stratified samples, 1e-3 of the sum.
-        near = abs(found.mean() / expected - 1.0) < 2e-3
-        assert near or t_p_value(found, expected) > sidak(1e-3, 2)
-        assert t_p_value(found, 1.05 * expected) < 1e-3
-
-
-def _turned_spots(rng, count):
-    """Rows of spots without size over the floor, 34 degrees wide each way, at places on it."""
-    rows = []
-    for _ in range(count):
-        position = rng.uniform((-3.0, -3.0, 0.5), (3.0, 3.0, 3.0))
-        forward = rng.uniform((-3.0, -3.0, 0.0), (3.0, 3.0, 0.0)) - position
-        forward /= np.linalg.norm(forward)
-        right = np.cross(forward, (0.3, 0.5, 0.7))
-        right /= np.linalg.norm(right)
-        up = np.cross(right, forward)
-        frame = {"forward": forward, "right": right, "up": up}
-        cone = {"to_cone": np.stack([right, up, -forward]), "cone": (np.cos(0.6), 30.0)}
-        rows.append({"kind": SPHERE, "position": position, "radiance": 5.0} | frame | cone)
-    return rows
-
-
-def test_many_lamps_are_chosen_from_by_what_they_bring():
-    """Of 60 balls half are below the floor, of 60 spots most shine elsewhere: one sample of eight
-    lamps has little noise where nothing is between (by power and distance alone .4 and .45)."""
-    rng = np.random.default_rng(3)
-    places = rng.uniform((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0), (60, 3))
-    balls = [
-        {"kind": SPHERE, "position": place, "size": (0.05, 0.0), "radiance": 5.0}
-        for place in places
-    ]
-    for rows in (balls, _turned_spots(rng, 60)):
-        light = sampled(rows, MATERIALS["diffuse"], 2000, 1).sum(axis=1)
-        assert 0.0 < light.std() < 0.1 * light.mean()
 
 
 def test_lamps_that_make_no_sense_are_refused():
