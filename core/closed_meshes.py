@@ -15,19 +15,16 @@ from .scene import TriangleMesh
 _SELDOM = 0.1
 
 
-def hidden_sides(mesh: TriangleMesh, face: np.ndarray, clear=None, blocks=None) -> np.ndarray:
+def hidden_sides(mesh: TriangleMesh, face: np.ndarray, clear: np.ndarray) -> np.ndarray:
     """float64 (n, 2): factors of how often front and back of faces are drawn.
 
     face: int (n,), rows of mesh.triangles; their objects are looked at as a whole
-    clear: bool (n_materials,), those that let rays through, None: none does; blocks: bool
-    (n_objects,), what throws shadows, None: all
+    clear: bool (m,), triangles that let rays through
     """
     found, owner = np.ones((len(face), 2)), mesh.object_index[face]
     for row in np.unique(owner):
         own = mesh.object_index == row
-        if blocks is not None and not blocks[row]:
-            continue
-        if clear is not None and clear[mesh.material_index[own]].any():
+        if clear[own].any():
             continue
         hidden = _hidden(mesh.vertices, mesh.triangles[own])
         if hidden is not None:

@@ -1,6 +1,7 @@
 """Faces that shine become lamps: rows of kind MESH, whose faces have a radiance each.
 
-All of them are one lamp, or as many as there are light groups, links and falloffs among them. What
+All of them are one lamp, or as many as there are light groups, links and falloffs among them, and
+what can be looked through is one of its own. What
 a sample of it goes to is chosen by the tree (lamp_meshes.py), so near faces are sampled more than
 far ones, and no point's work grows with their number.
 """
@@ -15,6 +16,8 @@ from .emission_parts import Told, parts_that_shine
 from .emitter_tree import face_tree
 from .lamps import MESH, NO_LAMPS, LampFaces, Lamps, make_lamps
 from .scene import SHADOW_RAYS, Scene, TriangleMesh
+
+_LAYERS = 8  # faces of what can be looked through that a sample of the BSDF finds
 
 
 def with_emitters(
@@ -42,9 +45,10 @@ def with_emitters(
     owner = mesh.object_index[parts.face]
     none = np.full(len(owner), -1, np.int32)
     kinds = [none if column is None else column[owner] for column in (link, group)]
-    kinds.append(parts.falloff)
+    clear = _clear(mesh, scene)
+    kinds += [parts.falloff, none + clear[parts.face]]
     _, kind = np.unique(kinds, axis=1, return_inverse=True)
-    seldom = _seldom(mesh, parts.face, scene)
+    seldom = hidden_sides(mesh, parts.face, clear)
     for one in range(kind.max() + 1):
         own = np.flatnonzero(kind.reshape(-1) == one)
         tree = face_tree(parts.corners[own], parts.radiance[own], parts.face[own], seldom[own])
@@ -52,6 +56,7 @@ def with_emitters(
         width = max(float(np.linalg.norm(high - low)), 1e-6)
         shape = {"kind": MESH, "position": 0.5 * (low + high), "size": (width, 0.0)}
         shape |= {"link": kinds[0][own[0]], "group": kinds[1][own[0]]}
+        shape["layers"] = _LAYERS if clear[parts.face[own[0]]] else 1
         if kinds[2][own[0]] >= 0:
             shape["falloff"] = falloffs[kinds[2][own[0]]]
         first, end = end, end + len(tree.power)
@@ -61,10 +66,12 @@ def with_emitters(
     return make_lamps(rows, LampFaces(*map(np.concatenate, zip(*trees, strict=True))))
 
 
-def _seldom(mesh: TriangleMesh, face, scene: Scene | None) -> np.ndarray:
-    """hidden_sides of faces of objects through which nothing looks."""
-    if scene is None:
-        return hidden_sides(mesh, face)
-    flags = scene.object_flags
-    blocks = None if flags is None else (flags & SHADOW_RAYS) != 0
-    return hidden_sides(mesh, face, cut_materials(scene), blocks)
+def _clear(mesh: TriangleMesh, scene: Scene | None) -> np.ndarray:
+    """bool (m,): triangles behind which others are seen, as they let rays through."""
+    found = np.zeros(len(mesh.triangles), np.bool_)
+    materials = None if scene is None else cut_materials(scene)
+    if materials is not None:
+        found |= materials[mesh.material_index]
+    if scene is not None and scene.object_flags is not None:
+        found |= (scene.object_flags & SHADOW_RAYS == 0)[mesh.object_index]
+    return found

@@ -27,6 +27,7 @@ from .brdf import (
 )
 from .lamp_choice import ALL_LAMPS, CHOSEN_LAMPS, is_met, powers_of, share_out
 from .lamp_falloff import falloff_at
+from .lamp_meshes import meet_mesh
 from .lamp_pictures import tint_at
 from .lamp_rays import COLUMNS, UNOCCLUDED, LampRays, add_rays, aim, bring, column_of
 from .lamp_shapes import meet_lamp, sample_lamp
@@ -159,12 +160,17 @@ def _by_lobe(at, points, p, lamps, shares, follows, u, v, offset, rays, n, sums)
     for i in range(len(lamps.kind)):
         if not is_met(lamps, i, sharp, points.position, p):
             continue
-        far, factor, by_lamp, face = meet_lamp(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
-        if factor > 0.0:
+        ray = px, py, pz, nx, ny, nz, dx, dy, dz
+        far, factor, by_lamp, face = meet_lamp(lamps, i, *ray)
+        left = lamps.layers[i]
+        while factor > 0.0 and left > 0:
             weight = factor * power_heuristic(pdf, by_lamp * shares[i]) / pdf
             lifted = points.lift_below[p] >= _ROUND
             own = at, points, p, lamps, i, face, (dx, dy, dz), far, weight, lifted
             n = _write(*own, offset, rays, n, sums)
+            left -= 1
+            if left > 0:
+                far, factor, by_lamp, face = meet_mesh(lamps, i, *ray, far)
     return n
 
 
@@ -196,7 +202,7 @@ def _draw_one(at, points, p, lamps, shares, follows, choose, place, offset, rays
 def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, sums):
     """Write the samples of points from ``first`` on: (the next point, number of rays)."""
     n, p, choose, count = 0, first, len(powers) > ALL_LAMPS, samples.count
-    most = count * _most_rays(len(powers))
+    most = count * _most_rays(lamps)
     shares[:] = 1.0
     while p < len(points.pixel) and n + most <= len(rays.reach):
         at = lobes_at(lobes, p)
@@ -217,9 +223,13 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
 
 
 @kernel(forceinline=True)
-def _most_rays(n_lamps):
+def _most_rays(lamps):
     """Of one sample of a point: to lamps, and along the BSDF to each."""
-    return (CHOSEN_LAMPS if n_lamps > ALL_LAMPS else n_lamps) + n_lamps
+    most = len(lamps.layers)
+    most = CHOSEN_LAMPS if most > ALL_LAMPS else most
+    for i in range(len(lamps.layers)):
+        most += lamps.layers[i]
+    return most
 
 
 @aside()
@@ -233,7 +243,7 @@ def add_lamp_light(
     n_lamps = len(lamps.kind)
     if not n_lamps or not len(points.pixel):
         return 0
-    most = samples.count * _most_rays(n_lamps)
+    most = samples.count * _most_rays(lamps)
     capacity = max(min(_CAPACITY, most * len(points.pixel)), most)
     rays = LampRays(
         *(np.empty((capacity, 3), np.float32) for _ in range(2)),

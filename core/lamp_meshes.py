@@ -228,8 +228,8 @@ def _meets_box(nodes, k, px, py, pz, inverse, nearest):
 
 
 @kernel
-def _nearest_face(faces, node, leaf, px, py, pz, ray):
-    """(distance, slope, face) of the nearest face below a node; -1: none."""
+def _nearest_face(faces, node, leaf, px, py, pz, ray, beyond):
+    """(distance, slope, face) of the nearest face below a node farther than that; -1: none."""
     inverse = _inverse(ray[0]), _inverse(ray[1]), _inverse(ray[2])
     nearest, slope, found = np.inf, 1.0, -1
     end = node + 2 * faces.leaves[node] - 1
@@ -241,7 +241,7 @@ def _nearest_face(faces, node, leaf, px, py, pz, ray):
         if leaves == 1:
             for k in range(leaf * BLOCK, leaf * BLOCK + BLOCK):
                 far, steep = _meet_face(faces.corners, k, px, py, pz, ray)
-                if 0.0 < far < nearest:
+                if beyond < far < nearest:
                     nearest, slope, found = far, steep, k
             leaf += 1
         node += 1
@@ -249,10 +249,11 @@ def _nearest_face(faces, node, leaf, px, py, pz, ray):
 
 
 @kernel
-def meet_mesh(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz):
-    """meet_lamp of a MESH: its nearest face, and the row of its radiance as of sample_mesh."""
+def meet_mesh(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz, beyond):
+    """meet_lamp of a MESH: its nearest face farther than ``beyond``, and the row of its radiance as
+    of sample_mesh."""
     faces, root, leaf = lamps.faces, lamps.span[i, 2], lamps.span[i, 0] // BLOCK
-    far, slope, k = _nearest_face(faces, root, leaf, px, py, pz, (dx, dy, dz))
+    far, slope, k = _nearest_face(faces, root, leaf, px, py, pz, (dx, dy, dz), beyond)
     if k < 0:
         return _MISSED
     p, n = _float32(px, py, pz), _float32(nx, ny, nz)

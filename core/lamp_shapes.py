@@ -201,7 +201,7 @@ def meet_lamp(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz):
     (0, 0, 0, -1): it does not. The rest as for sample_lamp; dx, dy, dz: float64, unit
     """
     if lamps.kind[i] == MESH:
-        return meet_mesh(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
+        return meet_mesh(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz, 0.0)
     far, factor, pdf = _meet_shape(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
     return far, factor, pdf, -1
 

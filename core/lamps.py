@@ -98,6 +98,7 @@ class Lamps(NamedTuple):
     picture: int32 (n, 4), first row in texels, width, height (0, 0: none), whether it tells by
         direction; see lamp_pictures.py
     falloff: int32 (n,), row of falloffs, -1 = the radiance is the same however far light goes
+    layers: int32 (n,), how many faces of a MESH a ray may meet, one behind the other; 1 of others
     faces: of all, with the radiance of each
     texels: float32 (m, 3), of all pictures, row by row from the bottom; their mean luminance is 1
     falloffs: float32 (k, FALLOFF_ROWS, 3), factors of radiance by distance, of falloff_knots
@@ -120,6 +121,7 @@ class Lamps(NamedTuple):
     span: np.ndarray
     picture: np.ndarray
     falloff: np.ndarray
+    layers: np.ndarray
     faces: LampFaces
     texels: np.ndarray
     falloffs: np.ndarray
@@ -170,6 +172,7 @@ def make_lamps(rows: list[dict], faces: LampFaces = NO_FACES) -> Lamps:
     columns |= {name: np.full(n, -1, np.int32) for name in ("link", "group", "falloff")}
     columns |= {"span": np.zeros((n, 3), np.int32), "picture": np.zeros((n, 4), np.int32)}
     columns |= {"faces": faces, "texels": np.zeros((0, 3), np.float32)}
+    columns["layers"] = np.ones(n, np.int32)
     columns["seen_by"] = np.full(n, BY_DIFFUSE | BY_GLOSSY, np.int8)
     columns["cone"][:, 0], columns["spread"][:, 0] = EVERYWHERE, np.inf
     columns["forward"][:, 2], columns["right"][:, 0], columns["up"][:, 1] = -1.0, 1.0, 1.0

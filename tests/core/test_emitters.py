@@ -106,8 +106,7 @@ def test_the_inside_of_closed_surfaces_is_seldom_drawn():
         assert _hidden(vertices, open_one) == -1
     mesh = mesh_of(vertices, triangles)
     every = np.arange(len(triangles))
-    for through in ({"clear": np.array([False, True])}, {"blocks": np.array([False])}):
-        assert (hidden_sides(mesh, every, **through) == 1.0).all()
+    assert (hidden_sides(mesh, every, every == 2) == 1.0).all()
     flat = sheet(3)
     assert _hidden(flat.vertices, flat.triangles) == -1
 
@@ -193,6 +192,24 @@ def _box_share(low, high, steps=1500):
     return float((ends.min(0).max(1) <= ends.max(0).min(1)).mean())
 
 
+FAR = quad((20.0, 20.0, -9.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0))  # makes a scene's size 20 m
+
+
+@pytest.mark.parametrize("name", ["diffuse", "gloss"])
+def test_both_sides_of_what_is_clear_light(name):
+    """Of a box that stops no ray near and far sides light alike, beside it and in gloss: twice as
+    much as of one that does; to 2 %, of 4000 points with 8 samples (error .3 %)."""
+    low, high = BOXES[0]
+    vertices, triangles = box(low, high)[:2]
+    ones = np.array([[0.0] * 3, [1.0] * 3], np.float32)
+    lamps = with_emitters([], mesh_of(vertices, triangles), ones)
+    blocker = join_parts([box(low, high), FAR])
+    solid = sampled([], MATERIALS[name], 4000, 8, blocker=blocker, lamps=lamps)
+    through = lamps._replace(layers=np.full_like(lamps.layers, 8))
+    found = sampled([], MATERIALS[name], 4000, 8, blocker=FAR, lamps=through)
+    assert found.sum() == pytest.approx(2.0 * solid.sum(), rel=0.02)
+
+
 @pytest.mark.parametrize(("low", "high"), BOXES)
 def test_a_box_lights_by_all_that_is_seen_of_it(low, high):
     """Its far sides are in the shadow of the near ones, which are seen flat; to 1 % of the truth.
@@ -201,7 +218,7 @@ def test_a_box_lights_by_all_that_is_seen_of_it(low, high):
     and end farther from surfaces, as in a scene of that size.
     """
     vertices, triangles = box(low, high)[:2]
-    blocker = join_parts([box(low, high), quad((20.0, 20.0, -9.0), (0.1, 0, 0), (0, 0.1, 0))])
+    blocker = join_parts([box(low, high), FAR])
     ones = np.array([[0.0] * 3, [1.0] * 3], np.float32)
     lamps = with_emitters([], mesh_of(vertices, triangles), ones)
     found = sampled([], diffuse((0.8,) * 3), 4000, 32, blocker=blocker, lamps=lamps)

@@ -84,6 +84,17 @@ _emitter("Emissive sphere of 2208 triangles", _ball)
 _emitter("Emissive sphere, tiny", _tiny)
 _emitter("Emissive cubes, twenty", _row, copies=20)
 _emitter("Emissive sphere under a world", _ball, shiny(0.4), world=True)
+
+
+def _half_clear(tree):
+    """It shines, and half of all rays go through."""
+    clear = tree.made("ShaderNodeBsdfTransparent", 0, {})
+    return tree.made("ShaderNodeMixShader", 0, {0: 0.5, 1: clear, 2: _EVEN(tree)})
+
+
+# What is beside them, or mirrors them, sees their far sides through the near ones.
+_emitter("Emissive cube, half clear, between all", _turned, glow=_half_clear, blurred=True)
+_emitter("Emissive sphere, half clear, roughness 0.15", _ball, shiny(0.15), glow=_half_clear)
 for _roughness in (0.05, 0.15, 0.3):
     _made = shiny(_roughness, Metallic=0.5)
     _emitter(f"Emissive plane, roughness {_roughness}", _plane, _made)
