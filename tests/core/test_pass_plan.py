@@ -68,27 +68,29 @@ def test_every_pixel_takes_its_own_next_passes():
 class _Flat:
     """Silhouettes of a tile where some pixels are near one."""
 
-    def __init__(self, near):
-        self.width = len(near)
-        self._near, self.blurred = np.array(near), np.zeros(len(near), np.bool_)
+    def __init__(self, near, width):
+        self._near, self.blurred, self.width = near, np.zeros(len(near), np.bool_), width
 
     def near(self):
         return self._near
 
 
-def _plan(near, **settings):
-    n = len(near)
-    pixels, cell = np.arange(n, dtype=np.int32), np.zeros(n, np.int32)
-    return PassPlan(RenderSettings(**settings), 8, False, _Flat(near), pixels, cell)
+def _row_of(near, cells, **settings):
+    """(plan, its pixels) of a row of pixels, with a border as tiles have one."""
+    n, width = len(near), len(near) + 2
+    pixels = np.arange(n, dtype=np.int32) + np.int32(width + 1)
+    cell, whole = np.full(3 * width, -1, np.int32), np.zeros(3 * width, np.bool_)
+    cell[pixels], whole[pixels] = cells, near
+    return PassPlan(RenderSettings(**settings), 8, False, _Flat(whole, width), pixels, cell), pixels
 
 
-def _some_sums(n, spread):
-    """Four passes of n pixels: radiance 1, with a relative standard deviation of each pass."""
-    sums = new_pass_sums(n)
+def _some_sums(pixels, spread, light=1.0):
+    """Four passes of some pixels: their radiance, with a relative standard deviation of a pass."""
+    sums = new_pass_sums(3 * (len(pixels) + 2))
     sums.passes[:], sums.hits[:], sums.count[:] = 4, 4, 32
     sums.visible[:] = 32
-    sums.light[:] = 4.0
-    sums.light_squared[:] = 4.0 + 3.0 * np.square(spread)
+    sums.light[pixels] = 4.0 * light
+    sums.light_squared[pixels] = (4.0 + 3.0 * np.square(spread)) * np.square(light)
     sums.unoccluded[:] = 4.0
     return sums
 
@@ -97,33 +99,26 @@ def test_noisier_pixels_want_more_passes_and_edges_some_at_least():
     """PERCEPTUAL, after the pilot: N grows with the spread; 1.2 / E near a silhouette."""
     spread = np.array([0.0, 0.3, 1.0, 0.0])
     settings = {"stop_rule": "PERCEPTUAL", "error_threshold": 0.1, "max_samples": 4096}
-    wanted = _plan([False, False, False, True], **settings).wanted
-    active = np.arange(4, dtype=np.int32)
-    found = wanted(active, 4, _some_sums(4, spread))
+    plan, active = _row_of([False, False, False, True], 0, **settings)
+    found = plan.wanted(active, 4, _some_sums(active, spread))
     assert found[0] == 4 and 4 < found[1] < found[2] and found[3] == 12
-    assert (wanted(active, 2, _some_sums(4, spread)) == 512).all()  # nobody ends before the pilot
+    found = plan.wanted(active, 2, _some_sums(active, spread))
+    assert (found == 512).all()  # nobody ends before the pilot
 
 
 def test_no_pixel_wants_more_than_the_most():
     """Whatever its noise, and whatever silhouettes ask for."""
     settings = {"stop_rule": "PERCEPTUAL", "error_threshold": 0.001, "max_samples": 44}
-    plan = _plan([False, True], **settings)
-    found = plan.wanted(np.arange(2, dtype=np.int32), 4, _some_sums(2, np.ones(2)))
+    plan, active = _row_of([False, True], 0, **settings)
+    found = plan.wanted(active, 4, _some_sums(active, np.ones(2)))
     assert found.tolist() == [6, 6]  # of 8 samples, the last of 4
 
 
-def _nine_of_two_cells(light):
-    """(plan, sums) of nine pixels in a row whose passes agree; the last four are another cell's."""
-    row = np.arange(9, dtype=np.int32)
-    cell, pixels = np.full((3, 9), -1, np.int32), row + np.int32(9)
-    cell[1] = row >= 5
-    flat = _Flat(np.zeros(27, np.bool_))
-    flat.width = 9
-    sums = _some_sums(27, np.zeros(27))
-    sums.light[9:18] = 4.0 * np.array(light)
-    sums.light_squared[9:18] = 4.0 * np.square(light)
-    settings = RenderSettings(stop_rule="PERCEPTUAL", error_threshold=0.1, max_samples=4096)
-    return PassPlan(settings, 8, False, flat, pixels, cell.ravel()), pixels, sums
+def _nine_of_two_cells(light, spread=0.0):
+    """(plan, pixels, sums) of nine in a row, of other light; the last four are another cell's."""
+    settings = {"stop_rule": "PERCEPTUAL", "error_threshold": 0.1, "max_samples": 4096}
+    plan, pixels = _row_of(np.zeros(9, np.bool_), np.arange(9) >= 5, **settings)
+    return plan, pixels, _some_sums(pixels, np.full(9, spread), np.array(light))
 
 
 def test_pixels_beside_other_light_go_on_though_their_passes_agree():
@@ -137,10 +132,9 @@ def test_pixels_beside_other_light_go_on_though_their_passes_agree():
 
 def test_noise_between_pixels_is_no_edge():
     """Pixels that differ by no more than their passes say want what their passes say."""
-    plan, pixels, sums = _nine_of_two_cells([1.0, 1.1, 0.9, 1.05, 1.0, 1.0, 1.0, 1.0, 1.0])
-    alike, _, same = _nine_of_two_cells(np.ones(9))
-    for state in (sums, same):
-        state.light_squared[9:18] += 3.0 * 0.3**2
+    uneven = [1.0, 1.1, 0.9, 1.05, 1.0, 1.0, 1.0, 1.0, 1.0]
+    plan, pixels, sums = _nine_of_two_cells(uneven, 0.3)
+    alike, _, same = _nine_of_two_cells(np.ones(9), 0.3)
     assert (plan.spreads(pixels, 45.0, sums) < 1.2 * alike.spreads(pixels, 45.0, same)).all()
 
 
@@ -216,5 +210,6 @@ def test_silhouettes_may_ask_for_nothing(monkeypatch):
     """The bound is the constant's."""
     monkeypatch.setattr(pass_plan, "_SILHOUETTE", 0)
     settings = {"stop_rule": "PERCEPTUAL", "error_threshold": 0.1, "max_samples": 4096}
-    found = _plan([True], **settings).wanted(np.zeros(1, np.int32), 4, _some_sums(1, np.zeros(1)))
+    plan, active = _row_of([True], 0, **settings)
+    found = plan.wanted(active, 4, _some_sums(active, np.zeros(1)))
     assert found.tolist() == [4]
