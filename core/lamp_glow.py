@@ -88,7 +88,7 @@ def _add_glow(lamps, origins, directions, reach, far_plane, panes, glow):
             continue
         px, py, pz = _float64(origins, k)
         for i in range(len(lamps.kind)):
-            far, factor, _, _ = meet_lamp(lamps, i, px, py, pz, x, y, z, x, y, z)
+            far, factor, _, _ = meet_lamp(lamps, i, px, py, pz, x, y, z, x, y, z, 0.0)
             near = far < far_plane[k] or far == np.inf
             if factor > 0.0 and near and (far < reach[k] or reach[k] == np.inf):
                 column = 3 + 3 * lamps.group[i]

@@ -27,7 +27,6 @@ from .brdf import (
 )
 from .lamp_choice import ALL_LAMPS, CHOSEN_LAMPS, is_met, powers_of, share_out
 from .lamp_falloff import falloff_at
-from .lamp_meshes import meet_mesh
 from .lamp_pictures import tint_at
 from .lamp_rays import COLUMNS, UNOCCLUDED, LampRays, add_rays, aim, bring, column_of
 from .lamp_shapes import meet_lamp, sample_lamp
@@ -157,11 +156,15 @@ def _by_lobe(at, points, p, lamps, shares, follows, u, v, offset, rays, n, sums)
     dx, dy, dz = np.float64(x), np.float64(y), np.float64(z)
     px, py, pz = _float64(points.position, p)
     nx, ny, nz = np.float64(at.normal[0]), np.float64(at.normal[1]), np.float64(at.normal[2])
+    # Not the face that the point is on: _write leaves that out, and no sample would find another.
+    flat = points.geometric_normal
+    above = flat[p, 0] * dx + flat[p, 1] * dy + flat[p, 2] * dz
+    beyond = offset / above if above > 0.0 else np.inf
     for i in range(len(lamps.kind)):
         if not is_met(lamps, i, sharp, points.position, p):
             continue
         ray = px, py, pz, nx, ny, nz, dx, dy, dz
-        far, factor, by_lamp, face = meet_lamp(lamps, i, *ray)
+        far, factor, by_lamp, face = meet_lamp(lamps, i, *ray, beyond)
         left = lamps.layers[i]
         while factor > 0.0 and left > 0:
             weight = factor * power_heuristic(pdf, by_lamp * shares[i]) / pdf
@@ -170,7 +173,7 @@ def _by_lobe(at, points, p, lamps, shares, follows, u, v, offset, rays, n, sums)
             n = _write(*own, offset, rays, n, sums)
             left -= 1
             if left > 0:
-                far, factor, by_lamp, face = meet_mesh(lamps, i, *ray, far)
+                far, factor, by_lamp, face = meet_lamp(lamps, i, *ray, far)
     return n
 
 

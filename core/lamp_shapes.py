@@ -195,13 +195,14 @@ def _meet_ball(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz):
 
 
 @kernel
-def meet_lamp(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz):
+def meet_lamp(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz, beyond):
     """Where a ray meets lamp i, which has a size: (distance, factor, pdf, face as of sample_lamp).
 
     (0, 0, 0, -1): it does not. The rest as for sample_lamp; dx, dy, dz: float64, unit
+    beyond: of a MESH, a distance: the nearest face that is farther than that is met
     """
     if lamps.kind[i] == MESH:
-        return meet_mesh(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz, 0.0)
+        return meet_mesh(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz, beyond)
     far, factor, pdf = _meet_shape(lamps, i, px, py, pz, nx, ny, nz, dx, dy, dz)
     return far, factor, pdf, -1
 

@@ -86,6 +86,16 @@ _emitter("Emissive cubes, twenty", _row, copies=20)
 _emitter("Emissive sphere under a world", _ball, shiny(0.4), world=True)
 
 
+def _lantern(tree):
+    """It shines, and lets the light of its own inside through."""
+    paper = tree.made("ShaderNodeBsdfTranslucent", 0, {"Color": (0.8, 0.7, 0.5)})
+    glow = tree.made("ShaderNodeEmission", 0, {"Color": (1.0, 0.7, 0.3), "Strength": 1.0})
+    return tree.made("ShaderNodeAddShader", 0, {0: paper, 1: glow})
+
+
+_emitter("Emissive cube, translucent, between all", _turned, glow=_lantern)
+
+
 def _half_clear(tree):
     """It shines, and half of all rays go through."""
     clear = tree.made("ShaderNodeBsdfTransparent", 0, {})
