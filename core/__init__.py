@@ -14,7 +14,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, lamp_pictures, emitter_tree, sheen, toon, islands,
-    closed_meshes, embree_hits, denoise, hair_frame,
+    closed_meshes, clear_materials, embree_hits, denoise, hair_frame,
     bump, stretched, lobes, cell_numbers, shapes, gabor
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,

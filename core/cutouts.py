@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .clear_materials import cut_materials
 from .nodes import Evaluation, ShadeContext
 from .poses import points_at_rest, posed_points
 from .program import Program
@@ -35,14 +36,6 @@ class PassedPanes(NamedTuple):
     ray: np.ndarray
     far: np.ndarray
     color: np.ndarray
-
-
-def cut_materials(scene: Scene) -> np.ndarray | None:
-    """bool, one a material: whether rays may go through; None: all are opaque."""
-    if scene.shaders is None:
-        return None
-    cut = [p is not None and p.transparent is not None for p in scene.shaders.programs]
-    return np.array(cut, np.bool_) if any(cut) else None
 
 
 def opacity_gain(

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .clear_materials import cut_materials
 from .closed_meshes import hidden_sides
-from .cutouts import cut_materials
 from .emission_parts import Told, parts_that_shine
 from .emitter_tree import face_tree
 from .lamps import MESH, NO_LAMPS, LampFaces, Lamps, make_lamps

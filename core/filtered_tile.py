@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from .camera import camera_rays, pixel_grid
-from .cutouts import cut_materials, opacity_of
+from .clear_materials import cut_materials
+from .cutouts import opacity_of
 from .develop import filtered_layers
 from .film import Tile
 from .lamp_glow import lamp_glow, shown_lamps

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from .cutouts import cut_materials
+from .clear_materials import cut_materials
 from .embree import can_filter
 from .embree_filter import Opacity
 from .opacity import bake_opacity
