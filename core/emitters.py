@@ -1,9 +1,9 @@
 """Faces that shine become lamps: rows of kind MESH, whose faces have a radiance each.
 
 All of them are one lamp, or as many as there are light groups, links and falloffs among them, and
-what can be looked through is one of its own. What
-a sample of it goes to is chosen by the tree (lamp_meshes.py), so near faces are sampled more than
-far ones, and no point's work grows with their number.
+what can be looked through is one of its own. What a sample of it goes to is chosen by the tree
+(lamp_meshes.py), so near faces are sampled more than far ones, and no point's work grows with their
+number.
 """
 
 from __future__ import annotations

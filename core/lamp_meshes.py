@@ -110,6 +110,15 @@ def _face_promise(faces, k, px, py, pz, n):
     return power * cosines / squared
 
 
+@kernel(forceinline=True)
+def _leaf_promises(faces, leaf, place, n):
+    """(_face_promise of each of a leaf's four faces, their sum)."""
+    k = leaf * BLOCK
+    one, two = _face_promise(faces, k, *place, n), _face_promise(faces, k + 1, *place, n)
+    three, four = _face_promise(faces, k + 2, *place, n), _face_promise(faces, k + 3, *place, n)
+    return (one, two, three, four), one + two + three + four
+
+
 @kernel
 def _draw_face(faces, node, leaf, place, p, n, a):
     """(a face below a node, its chance, a number that is even again); chance 0: none.
@@ -126,17 +135,14 @@ def _draw_face(faces, node, leaf, place, p, n, a):
         else:
             a, chance = (a - share) / max(1.0 - share, 1e-300), chance * (1.0 - share)
             leaf, node = leaf + faces.leaves[node + 1], other
-    first, total = leaf * BLOCK, 0.0
-    for k in range(first, first + BLOCK):
-        total += _face_promise(faces, k, *place, n)
+    promises, total = _leaf_promises(faces, leaf, place, n)
     found, own, a, below = -1, 0.0, a * total, 0.0
-    for k in range(first, first + BLOCK):
-        promise = _face_promise(faces, k, *place, n)
-        if promise > 0.0 and (found < 0 or a >= below):
-            found, own, a, below = k, promise, a - below, promise
+    for k in range(BLOCK):
+        if promises[k] > 0.0 and (found < 0 or a >= below):
+            found, own, a, below = k, promises[k], a - below, promises[k]
     if found < 0:
         return 0, 0.0, a
-    return found, chance * own / total, min(a / own, 1.0)
+    return leaf * BLOCK + found, chance * own / total, min(a / own, 1.0)
 
 
 @kernel
@@ -152,10 +158,8 @@ def _chance_of(faces, node, leaf, k, place, p, n):
             chance, leaf, node = chance * (1.0 - share), middle, other
         if not chance > 0.0:
             return 0.0
-    total = 0.0
-    for j in range(wanted * BLOCK, wanted * BLOCK + BLOCK):
-        total += _face_promise(faces, j, *place, n)
-    return chance * _face_promise(faces, k, *place, n) / total if total > 0.0 else 0.0
+    promises, total = _leaf_promises(faces, wanted, place, n)
+    return chance * promises[k - wanted * BLOCK] / total if total > 0.0 else 0.0
 
 
 @kernel(forceinline=True)

@@ -1,5 +1,7 @@
 """core/emitters.py, core/lamp_meshes.py: faces that shine light other surfaces as area lamps do."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -109,6 +111,30 @@ def test_the_inside_of_closed_surfaces_is_seldom_drawn():
     assert (hidden_sides(mesh, every, every == 2) == 1.0).all()
     flat = sheet(3)
     assert _hidden(flat.vertices, flat.triangles) == -1
+
+
+def test_each_object_has_an_inside_of_its_own():
+    """A box, one turned over, an open one and one with a corner that is no number, in one table."""
+    vertices, triangles = box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))[:2]
+    vertices, triangles = np.asarray(vertices, np.float32), np.asarray(triangles)
+    broken = vertices.copy()
+    broken[0, 0] = np.nan
+    kinds = [
+        (vertices, triangles),
+        (vertices + 3.0, triangles[:, ::-1]),
+        (vertices, triangles[1:]),
+        (broken, triangles),
+    ]
+    firsts = np.cumsum([0] + [len(v) for v, _ in kinds])
+    mesh = mesh_of(
+        np.concatenate([v for v, _ in kinds]),
+        np.concatenate([t + first for (_, t), first in zip(kinds, firsts, strict=False)]),
+    )
+    owner = np.repeat(np.arange(4, dtype=np.int32), [len(t) for _, t in kinds])
+    every = np.arange(len(owner))
+    found = hidden_sides(dataclasses.replace(mesh, object_index=owner), every, every < 0)
+    sides = [[1.0, 0.1], [0.1, 1.0], [1.0, 1.0], [1.0, 1.0]]
+    np.testing.assert_array_equal(found, np.array(sides)[owner])
 
 
 def test_faces_are_drawn_by_how_they_are_turned():
