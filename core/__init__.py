@@ -5,7 +5,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     _kernel_files                                   -2  files of compiled kernels
     _parts, addresses                               -1  how kernels are put together; raw memory
     _jit, settings, program, lamps, object_motion,   0  how kernels are kept; all defaults
-    compile_apart, rows, turns, asked_passes, bake_points
+    compile_apart, rows, turns, asked_passes, bake_points, copies
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, lamp_falloff, lamp_cones, prefetch, sheen_numbers,
@@ -15,7 +15,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, lamp_pictures, emitter_tree, sheen, toon, islands,
     closed_meshes, clear_materials, embree_hits, denoise, hair_frame,
-    bump, stretched, lobes, cell_numbers, shapes, gabor
+    bump, stretched, lobes, cell_numbers, shapes, gabor, copied_rows
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
     voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser, bake_rays,
@@ -26,7 +26,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     hair_setup, bevel
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
     light_rays, paper_tables, light_cells, lamp_rays, pass_rays, moving_accel,
-    moved_accel, surface_numbers, near_rays, pixel_motion, random_walk
+    moved_accel, surface_numbers, near_rays, pixel_motion, random_walk, copied_accel
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree, backdrop, emission_parts, like_products, closure_columns,
     displacement, lamp_light

@@ -42,6 +42,7 @@ class Accel:
     """
 
     by_rays = False
+    copies = None  # of Scene.copies, where it knows them
 
     def __init__(self, mesh: TriangleMesh, cancelled=lambda: False, opacity: Opacity | None = None):
         """Build it, on all processors. Raises Cancelled soon after ``cancelled`` says so.
@@ -76,13 +77,19 @@ class Accel:
         """The hierarchy; None where there is no triangle, or embreex stands in."""
         return self._scene if isinstance(self._scene, EmbreeScene) else None
 
-    def intersect(self, origins: np.ndarray, directions: np.ndarray):
+    def intersect(self, origins: np.ndarray, directions: np.ndarray, slots=None):
         """The nearest hits: (triangle int32 (n,), MISS where none; u, v float32 (n,)).
 
         origins, directions: float32 (n, 3), world space. u and v weigh the triangle's second and
-        third corner.
+        third corner. slots: of these rays; None: what is said of triangles of copies holds until
+        the thread's next question
         """
-        return self.as_triangles(*nearest_hits(self.looks, origins, directions))
+        return self.as_triangles(*nearest_hits(self.looks, origins, directions), slots)
+
+    def slots(self, n: int) -> np.ndarray | None:
+        """int32 (n,), a row of the scene's tables for each of n rays (CopiedRows); None: they need
+        none."""
+        return None
 
     @property
     def every(self) -> Accel:
@@ -96,7 +103,7 @@ class Accel:
         """``traversal``, for kernels that ask for nearest hits themselves (embree_hits.py)."""
         return self.traversal
 
-    def as_triangles(self, face, u, v, instance):
+    def as_triangles(self, face, u, v, instance, slots=None):
         """What intersect gives, of what Embree says of rays that look: int32 and float32 (n,).
 
         The arrays may be written to.

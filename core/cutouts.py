@@ -166,7 +166,8 @@ def points_through(
     passed: gets what rays go through
     """
     tints = np.ones((len(origins), 3), np.float32) if tints is None else tints
-    hit, u, v = accel.intersect(origins, directions) if hits is None else hits
+    slots = accel.slots(len(origins)) if hits is None else None
+    hit, u, v = accel.intersect(origins, directions, slots) if hits is None else hits
     offsets = scene.terminator_offset
     points = posed_points(scene.pose, scene.mesh, hit, u, v, directions, offsets)
     points = points_within(points, origins, reach)
@@ -191,7 +192,7 @@ def points_through(
             break
         rays = points.pixel
         starts, onward = behind(points, accel.offset)
-        hit, u, v = accel.intersect(starts, onward)
+        hit, u, v = accel.intersect(starts, onward, None if slots is None else slots[rays])
         points = posed_points(scene.pose, scene.mesh, hit, u, v, onward, offsets)
         points = points_within(points._replace(pixel=rays[points.pixel]), origins, reach)
         points.passed[:] = n

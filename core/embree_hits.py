@@ -1,6 +1,6 @@
 """The nearest hits of rays through Embree: embree_rays.py's rows, with what was hit below them.
 
-    Ng 12-14, u 15, v 16, primID 17, geomID 18, instance 19 and up                 RTCHit
+    Ng 12-14, u 15, v 16, primID 17, geomID 18, instance 19, its place in an array 20   RTCHit
 
 primID stays as it was where nothing is hit. A ray that slips through between two triangles ends
 behind those beside it: there it is asked again (docs/decisions/0030-rays-through-edges.md).
@@ -61,7 +61,13 @@ def meets(traversal, ray, origin, d, reach):
 @kernel(forceinline=True)
 def hit_of(ray):
     """(face, instance, u, v) of a ray that meets something, as intersect_block writes them."""
-    return get_int(ray + 68), get_int(ray + 76), get_float(ray + 60), get_float(ray + 64)
+    return get_int(ray + 68), _instance_of(ray), get_float(ray + 60), get_float(ray + 64)
+
+
+@kernel(forceinline=True)
+def _instance_of(ray):
+    """Of what was hit: among instances the one, in a lone array of them its place; else -1."""
+    return get_int(ray + 76) + max(get_int(ray + 80), 0)
 
 
 @kernel
@@ -87,4 +93,4 @@ def intersect_block(traversal, origins, directions, triangle, instance, u, v):
                     break
         before = distance
         triangle[k], u[k], v[k] = get_int(ray + 68), get_float(ray + 60), get_float(ray + 64)
-        instance[k] = get_int(ray + 76)
+        instance[k] = _instance_of(ray)

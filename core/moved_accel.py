@@ -79,7 +79,7 @@ class MovedAccel(Accel):
             raise Cancelled
         return scene
 
-    def as_triangles(self, face, u, v, instance):
+    def as_triangles(self, face, u, v, instance, slots=None):
         """See Accel."""
         small = instance == self._small
         own = self._rows[face[small]]

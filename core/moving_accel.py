@@ -85,7 +85,7 @@ class MovingAccel(Accel):
         other._take(self._slices[number], float(self._motion.times[number]))
         return other
 
-    def as_triangles(self, face, u, v, instance):
+    def as_triangles(self, face, u, v, instance, slots=None):
         """See Accel."""
         _to_rows(face, instance, self._first, self._rows)
         return face, u, v

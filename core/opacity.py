@@ -16,7 +16,7 @@ from .embree_filter import Opacity
 from .nodes import Evaluation, ShadeContext
 from .nodes.values import normalized
 from .program import Program
-from .program_ops import ops_behind
+from .program_ops import COORDINATES, is_of_corners, ops_behind
 from .round_points import is_round
 from .scene import Scene
 
@@ -30,9 +30,6 @@ _PROCEDURAL, _COARSEST, _CORNERS = 64, 4, 1 << 20
 # What texels show bends between them: where few corners do, so many steps to a texel.
 _WITHIN_TEXEL = 4
 _POINTS_AT_ONCE = 1 << 18
-# Kinds that look at nothing but values at the corners; images do if their coordinates do.
-_COORDINATES = ("ShaderNodeTexCoord", "ShaderNodeNewGeometry", "ShaderNodeObjectInfo")
-_OF_CORNERS = ("ShaderNodeUVMap", "ShaderNodeVertexColor", "ShaderNodeAttribute")
 
 
 def bake_opacity(scene: Scene, triangles: np.ndarray, colored: bool = True) -> Opacity:
@@ -88,7 +85,7 @@ def _shared(scene: Scene, program: Program, which) -> tuple[np.ndarray, np.ndarr
     """(rows of ``which`` that have a grid of their own, for each of which the grid that it has)."""
     ops = ops_behind(program, program.transparent)
     alone = np.arange(len(which))
-    if not all(_is_of_corners(op) for op in ops):
+    if not all(is_of_corners(op) for op in ops):
         return alone, alone
     surface = scene.shaders.surface
     rows = surface.row[which]
@@ -98,17 +95,6 @@ def _shared(scene: Scene, program: Program, which) -> tuple[np.ndarray, np.ndarr
     keys = np.concatenate([np.asarray(c, np.float32) for c in columns], axis=1)
     _, first, again = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     return first, again.ravel().astype(np.int32)
-
-
-def _is_of_corners(op) -> bool:
-    outputs = op.settings.get("outputs", set())
-    if op.kind == "ShaderNodeTexCoord":
-        return outputs <= {"UV"} and "world_to_object" not in op.settings
-    if op.kind == "ShaderNodeTexImage":
-        return op.settings["projection"] == "FLAT"
-    if op.kind.startswith("ShaderNodeTex") and "Vector" not in op.inputs:
-        return False
-    return op.kind in _OF_CORNERS or "outputs" not in op.settings or not op.settings["outputs"]
 
 
 def _sides(scene: Scene, program: Program, triangles) -> np.ndarray:
@@ -124,7 +110,7 @@ def _sides(scene: Scene, program: Program, triangles) -> np.ndarray:
             place = context.uv() if vector is None else evaluation.vector(vector)
             spread = np.ptp(place.reshape(n, 3, 3), axis=1).max(axis=1)
             wanted = np.maximum(wanted, np.nan_to_num(spread) * size)
-        elif op.settings.get("outputs") and op.kind not in _COORDINATES:
+        elif op.settings.get("outputs") and op.kind not in COORDINATES:
             wanted = np.maximum(wanted, np.clip((2 * _CORNERS / n) ** 0.5, _COARSEST, _PROCEDURAL))
     if wanted.max() == 1.0 and not isinstance(program.transparent, np.ndarray):
         wanted[:] = np.clip((2 * _CORNERS / n) ** 0.5, _COARSEST, _PROCEDURAL)

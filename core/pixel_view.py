@@ -19,7 +19,7 @@ from .incremental import new_rays, sample_points
 from .lobes_at import lobes_at
 from .near_rays import with_near_rays
 from .render import worker_count
-from .render_cache import RenderCache
+from .render_cache import RenderCache, with_rows
 from .scene import Scene
 from .seen_points import with_lobes
 from .sequence import common_points, pixel_sequence
@@ -102,6 +102,7 @@ def _make_job(scene, settings, cache) -> Job:
         tables, _, _ = cache.tables(scene, light, settings, threads, lambda *_: None)
     points = common_points(settings.max_samples, settings.point_set)
     accel = cache.rays(scene)
+    scene, accel = with_rows(scene, accel, settings, worker_count(settings))
     scene = with_near_rays(scene, settings, accel)
     return Job(scene, settings, accel, light, tables, points, StopFlag())
 

@@ -6,7 +6,9 @@ from .program import Op, Program, Ref, Shaders, Value
 
 _OF_RAYS = ("ShaderNodeFresnel", "ShaderNodeLayerWeight", "under_coat", "under_sheen")
 _RAY_OUTPUTS = {"Incoming", "Backfacing", "Ray Length", "Ray Depth", "Transparent Depth"}
-
+COORDINATES = ("ShaderNodeTexCoord", "ShaderNodeNewGeometry", "ShaderNodeObjectInfo")
+# Kinds that look at nothing but values at the corners; images do if their coordinates do.
+_OF_CORNERS = ("ShaderNodeUVMap", "ShaderNodeVertexColor", "attribute")
 _AROUND = ("ShaderNodeAmbientOcclusion", "ShaderNodeBevel")
 
 
@@ -27,6 +29,21 @@ def passes_by_place(program: Program) -> bool:
         if op.kind in _OF_RAYS or _RAY_OUTPUTS & op.settings.get("outputs", set()):
             return False
     return True
+
+
+def is_of_corners(op: Op) -> bool:
+    """Whether an operation looks at nothing but values at a triangle's corners: so that triangles
+    which have the same there look the same, whatever object they are of."""
+    outputs = op.settings.get("outputs", set())
+    if op.kind == "ShaderNodeTexCoord":
+        return outputs <= {"UV"} and "world_to_object" not in op.settings
+    if op.kind == "ShaderNodeTexImage":
+        return op.settings["projection"] == "FLAT"
+    if op.kind == "object_attribute":
+        return False
+    if op.kind.startswith("ShaderNodeTex") and "Vector" not in op.inputs:
+        return False
+    return op.kind in _OF_CORNERS or not outputs
 
 
 def depends_on_around(program: Program, value: Value) -> bool:

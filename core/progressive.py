@@ -22,7 +22,7 @@ from .denoise import Guided
 from .film import LAYERS
 from .near_rays import with_near_rays
 from .render import make_tile, worker_count
-from .render_cache import RenderCache
+from .render_cache import RenderCache, with_rows
 from .scene import Camera, Scene
 from .sequence import common_points
 from .settings import RenderSettings
@@ -121,8 +121,10 @@ def render_progressive(
         settings, stop_rule="FIXED", pixel_filter="CENTER", max_samples=_COARSE_SAMPLES
     )
     seen = cache.backdrop(scene)
-    looks = with_near_rays(scene, few, accel)
-    coarse_job = Job(looks, few, accel, light, None, _points(few), stop, seen)
+    threads = worker_count(settings)
+    looks, own = with_rows(scene, accel, few, threads)
+    looks = with_near_rays(looks, few, own)
+    coarse_job = Job(looks, few, own, light, None, _points(few), stop, seen)
     while step > 1 and not stop.is_set():
         camera = coarse_camera(scene.camera, step)
         job = dataclasses.replace(coarse_job, scene=_seen_by(looks, camera), stop=stop)
@@ -136,6 +138,7 @@ def render_progressive(
         except Cancelled:
             return
         points = _points(settings)
+        scene, accel = with_rows(scene, accel, settings, threads)
         scene = with_near_rays(scene, settings, accel)
         job = Job(scene, settings, accel, light, None, points, stop, seen, first_passes=1)
         _Rounds(job, last, show, denoiser or ViewDenoiser()).run()

@@ -11,15 +11,16 @@ import os
 
 from .budget import BudgetRender
 from .center_tile import CenterTile
+from .copied_rows import written_out
 from .early_kernels import read_early
-from .embree_instances import can_instance
+from .embree_instances import can_copy, can_instance
 from .film import Progress, TileSink
 from .filtered_tile import FilteredTile
 from .light_rays import Light
 from .near_rays import with_near_rays
 from .paper_tables import PaperTables
 from .posed_lamps import shines_from_rest
-from .render_cache import RenderCache
+from .render_cache import RenderCache, with_rows
 from .scene import GLOSSY_TOON, TOON, Scene
 from .sequence import common_points
 from .settings import RenderSettings
@@ -41,7 +42,8 @@ def render(
     set. Errors of workers are raised here.
     """
     x0, y0, x1, y1 = scene.camera.region
-    stats = RenderStats(width=x1 - x0, height=y1 - y0, triangles=len(scene.mesh.triangles))
+    triangles = len(scene.mesh.triangles) + (scene.copies.triangles if scene.copies else 0)
+    stats = RenderStats(width=x1 - x0, height=y1 - y0, triangles=triangles)
     cache = cache or RenderCache()
     scene = _as_settings_show(scene, settings, stats.warnings)
     stop = StopFlag()
@@ -58,6 +60,7 @@ def render(
         return stats
     sequence = common_points(settings.max_samples, settings.point_set)
     seen = cache.backdrop(scene)
+    scene, accel = with_rows(scene, accel, settings, threads)
     scene = with_near_rays(scene, settings, accel)
     job = with_slices(Job(scene, settings, accel, light, tables, sequence, stop, seen))
     if settings.stop_rule == "BUDGET":
@@ -87,6 +90,8 @@ def _as_settings_show(scene: Scene, settings: RenderSettings, warnings: list[str
     elif scene.motion is not None and not can_instance():
         warnings.append("Embree's own interface is missing: moving objects stand still")
         scene = dataclasses.replace(scene, motion=None)
+    if scene.motion is not None or not can_copy():
+        scene = written_out(scene)
     scatters = scene.shaders is not None and scene.shaders.scatters
     if settings.pixel_filter == "CENTER" and scatters:
         warnings.append(

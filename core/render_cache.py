@@ -9,6 +9,9 @@ import numpy as np
 
 from .accel import Accel
 from .backdrop import Backdrop
+from .copied_accel import CopiedAccel
+from .copied_rows import CopiedRows
+from .copies import Copies
 from .environment import make_lookup
 from .lamps import LampLink
 from .light_cache import light_key, load_light, save_light
@@ -54,6 +57,13 @@ class _Built(NamedTuple):
         return moves_between(self.places, now.places)
 
 
+def _differ_by_places(built: Accel | RayParts, mesh: TriangleMesh, copies: Copies | None) -> bool:
+    """Whether hierarchies are those of a mesh with copies, which stand elsewhere."""
+    if built.mesh is not mesh or built.copies is None:
+        return False
+    return built.copies.same_originals(copies)
+
+
 def _same_links(links: tuple[LampLink, ...], others: tuple[LampLink, ...]) -> bool:
     return len(links) == len(others) and all(map(LampLink.same, links, others))
 
@@ -77,14 +87,23 @@ class RenderCache:
         self.light_warnings: list[str] = []
         self._builder = TableBuilder()
 
-    def accel(self, mesh: TriangleMesh, cancelled=lambda: False) -> Accel:
+    def accel(
+        self, mesh: TriangleMesh, cancelled=lambda: False, copies: Copies | None = None
+    ) -> Accel:
         """The BVH of this mesh table, built unless it is the last one's; see Accel."""
         accel = self._accel
-        if accel is None or accel.mesh is not mesh:
-            if not self._moved:  # two hierarchies at once would double the peak
-                self._accel = accel = None
-            self._accel = accel = Accel(mesh, cancelled)
-        return accel
+        if accel is not None and accel.mesh is mesh and accel.copies is copies:
+            return accel
+        if accel is not None and _differ_by_places(accel, mesh, copies):
+            self._accel = accel.with_copies(copies)
+            return self._accel
+        if not self._moved:  # two hierarchies at once would double the peak
+            self._accel = accel = None
+        if copies is None:
+            self._accel = Accel(mesh, cancelled)
+        else:
+            self._accel = CopiedAccel(mesh, copies, None, cancelled)
+        return self._accel
 
     def rays(self, scene: Scene, cancelled=lambda: False, quick: bool = False) -> Accel | SceneRays:
         """What the rays of a scene meet: its Accel, or several where not all see the same.
@@ -102,18 +121,21 @@ class RenderCache:
         if not self._moved and masks is None:  # two hierarchies at once would double the peak
             self._parts = None
         parts = None if masks is None else self._ray_parts(scene, masks, cancelled)
-        accel = self.accel(scene.mesh, cancelled) if masks is None else None
+        accel = self.accel(scene.mesh, cancelled, scene.copies) if masks is None else None
         self._accel, self._parts = accel, parts
         self._built, self._moved = _Built.of(scene), False
         return accel if parts is None else SceneRays(scene, parts)
 
     def _ray_parts(self, scene: Scene, masks: RayMasks, cancelled) -> RayParts:
         parts = self._parts
-        if parts is None or parts.mesh is not scene.mesh or not masks.same(parts.masks):
-            if not self._moved:
-                self._accel = self._parts = parts = None
-            parts = RayParts(scene.mesh, masks, cancelled)
-        return parts
+        same = parts is not None and parts.mesh is scene.mesh and masks.same(parts.masks)
+        if same and parts.copies is scene.copies:
+            return parts
+        if same and _differ_by_places(parts, scene.mesh, scene.copies):
+            return parts.with_copies(scene.copies)
+        if not self._moved:
+            self._accel = self._parts = parts = None
+        return RayParts(scene.mesh, masks, cancelled, copies=scene.copies)
 
     def _ray_masks(self, scene: Scene) -> RayMasks | None:
         """The last ones while what they are made of is the same: grids take their time."""
@@ -222,6 +244,17 @@ class RenderCache:
             light.lookup, scene.materials, settings, threads, progress, scene.measured
         )
         return tables, self._builder.warnings, self._builder.notes
+
+
+def with_rows(scene: Scene, accel, settings: RenderSettings, threads: int):
+    """(scene, accel) with room for what rays meet of copies; as they were where there are none.
+
+    accel: of RenderCache.rays; threads: that ask it at a time, beside this one
+    """
+    if scene.copies is None:
+        return scene, accel
+    table = CopiedRows(scene, settings, threads)
+    return table.scene, accel.with_rows(table)
 
 
 def _relative(strength: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 
 from .asked_passes import NO_PASSES, AskedPasses
 from .bake_points import BakePoints
+from .copies import Copies
 from .lamps import NO_LAMPS, LampLink, Lamps
 from .object_motion import ObjectMotion, PixelMotion, Pose
 from .program import Shaders, WorldProgram
@@ -87,11 +88,8 @@ class MeasuredBrdfs(NamedTuple):
 FIT_ALBEDO, FIT_DIFFUSE, FIT_WEIGHT, FIT_ALPHA, FIT_COLUMNS = 0, 3, 6, 7, 8
 FIT_ANGLES = 25
 MOST_MEASURED = 127  # rows of an int8
-NO_MEASURED = MeasuredBrdfs(
-    np.zeros((0, 90, 90, 180, 3), np.float32),
-    np.zeros((0, FIT_ANGLES, FIT_COLUMNS), np.float32),
-    (),
-)
+_NO_SIZES = (0, 90, 90, 180, 3), (0, FIT_ANGLES, FIT_COLUMNS)
+NO_MEASURED = MeasuredBrdfs(*(np.zeros(size, np.float32) for size in _NO_SIZES), ())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -252,6 +250,7 @@ class Scene:
     motion: of objects while the shutter is open; pose: the slice of it that a copy of the scene
         stands for, made by time_slices.py; pixel_motion: for the Vector pass, None = not asked
     object_to_world: float64 (n_objects, 4, 4), where the mesh table has objects; None = not told
+    copies: objects that show what others of the mesh table do, elsewhere; not beside motion
     """
 
     mesh: TriangleMesh
@@ -274,6 +273,7 @@ class Scene:
     pose: Pose | None = None
     pixel_motion: PixelMotion | None = None
     object_to_world: np.ndarray | None = None
+    copies: Copies | None = None
 
     def __post_init__(self):
         if self.pose is not None:  # a copy of what has been checked
@@ -281,15 +281,14 @@ class Scene:
         rows = self.materials.distribution[self.materials.model == MEASURED]
         if len(rows) and not 0 <= rows.min() <= rows.max() < len(self.measured.values):
             raise ValueError("a material names a measured BRDF that is not there")
-        n_materials, n_objects = len(self.materials.model), len(self.object_pass_index)
-        if len(self.mesh.triangles) == 0:
-            return
-        if self.mesh.triangles.min() < 0 or self.mesh.triangles.max() >= len(self.mesh.vertices):
-            raise ValueError("a triangle names a vertex that is not there")
-        if not 0 <= self.mesh.material_index.min() <= self.mesh.material_index.max() < n_materials:
-            raise ValueError("a triangle names a material that is not there")
-        if not 0 <= self.mesh.object_index.min() <= self.mesh.object_index.max() < n_objects:
-            raise ValueError("a triangle names an object that is not there")
+        mesh = self.mesh
+        for name, own, n in (
+            ("a vertex", mesh.triangles, len(mesh.vertices)),
+            ("a material", mesh.material_index, len(self.materials.model)),
+            ("an object", mesh.object_index, len(self.object_pass_index)),
+        ):
+            if len(own) and not 0 <= own.min() <= own.max() < n:
+                raise ValueError(f"a triangle names {name} that is not there")
 
 
 def _expect(name, array, dtype, shape):

@@ -14,6 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .accel import MISS, Accel
+from .copied_accel import CopiedAccel
+from .copied_rows import CopiedRows
+from .copies import Copies
 from .cutouts import behind, drawn_numbers, passing_shares
 from .embree_rays import ALL_COLORS, Traversal
 from .moved_accel import Moves, moved, settled
@@ -21,10 +24,7 @@ from .moving_accel import MovingAccel
 from .object_motion import ObjectMotion
 from .poses import posed_points
 from .ray_masks import RayMasks
-from .scene import (
-    Scene,
-    TriangleMesh,
-)
+from .scene import Scene, TriangleMesh
 
 # Surfaces that a shadow ray goes through, where its hits are looked at one by one.
 _MOST_LAYERS = 64
@@ -33,7 +33,12 @@ _MOST_LAYERS = 64
 class PartAccel:
     """The hierarchy of some of a mesh's triangles."""
 
-    def __init__(self, mesh: TriangleMesh, mask: np.ndarray, cancelled, opacity=None, motion=None):
+    def __init__(self, mesh: TriangleMesh, mask, cancelled, opacity=None, motion=None, copies=None):
+        """mask: bool, one a triangle; the others as Accel, MovingAccel and CopiedAccel have them"""
+        self.rows = None
+        if copies is not None:
+            self.accel = CopiedAccel(mesh, copies, mask, cancelled, opacity)
+            return
         self.rows = None if mask.all() else np.flatnonzero(mask).astype(np.int32)
         if self.rows is not None:
             mesh = TriangleMesh(
@@ -65,9 +70,21 @@ class PartAccel:
         other.accel = moved(self.accel, own, moves, cancelled)
         return None if other.accel is None else other
 
-    def intersect(self, origins, directions):
+    def with_rows(self, table: CopiedRows) -> PartAccel:
+        """See CopiedAccel."""
+        other = copy.copy(self)
+        other.accel = self.accel.with_rows(table)
+        return other
+
+    def with_copies(self, copies: Copies) -> PartAccel:
+        """See CopiedAccel."""
+        other = copy.copy(self)
+        other.accel = self.accel.with_copies(copies)
+        return other
+
+    def intersect(self, origins, directions, slots=None):
         """See Accel; triangles are counted as in the whole mesh."""
-        return self._as_rows(*self.accel.intersect(origins, directions))
+        return self._as_rows(*self.accel.intersect(origins, directions, slots))
 
     def as_triangles(self, face, u, v, instance):
         """See Accel; triangles are counted as in the whole mesh."""
@@ -107,6 +124,7 @@ class RayParts:
         masks: RayMasks,
         cancelled=lambda: False,
         motion: ObjectMotion | None = None,
+        copies: Copies | None = None,
     ):
         built: list[tuple] = []
 
@@ -114,7 +132,7 @@ class RayParts:
             for own, grids, found in built:
                 if grids is opacity and np.array_equal(own, mask):
                     return found
-            found = PartAccel(mesh, mask, cancelled, opacity, motion)
+            found = PartAccel(mesh, mask, cancelled, opacity, motion, copies)
             built.append((mask, opacity, found))
             return found
 
@@ -128,7 +146,7 @@ class RayParts:
         self.near = None
         if masks.near is not None:
             self.near = part(masks.near, None), part(np.ones_like(masks.near), None)
-        self.mesh, self.masks = mesh, masks
+        self.mesh, self.masks, self.copies = mesh, masks, copies
         self.shadows = shadows(np.True_)
         same = np.array_equal(masks.camera, masks.solid)
         self.camera = self.shadows.solid if same else part(masks.camera, None)
@@ -165,6 +183,16 @@ class RayParts:
         other.mesh = mesh
         return None if failed else other
 
+    def with_copies(self, copies: Copies) -> RayParts:
+        """See CopiedAccel."""
+        other = self._each(lambda part: part.with_copies(copies))
+        other.copies = copies
+        return other
+
+    def with_rows(self, table: CopiedRows) -> RayParts:
+        """See CopiedAccel."""
+        return self._each(lambda part: part.with_rows(table))
+
     def settle(self) -> None:
         """See moved_accel.settled."""
         self._each(lambda part: settled(part.accel))
@@ -187,6 +215,10 @@ class SceneRays:
         """The same at a slice of the shutter's time, of which ``scene`` is."""
         return SceneRays(scene, self._parts.at(number), self._catchers, self._link)
 
+    def with_rows(self, table: CopiedRows) -> SceneRays:
+        """See CopiedAccel; of the scene that has the rows."""
+        return SceneRays(table.scene, self._parts.with_rows(table), self._catchers, self._link)
+
     @property
     def without_catchers(self) -> SceneRays:
         """For the shadows that fall on catchers."""
@@ -206,9 +238,13 @@ class SceneRays:
         """Of all triangles, opaque, for these nodes."""
         return self._parts.near[1].accel
 
-    def intersect(self, origins: np.ndarray, directions: np.ndarray):
+    def intersect(self, origins: np.ndarray, directions: np.ndarray, slots=None):
         """The nearest hits that the camera sees; see Accel."""
-        return self._parts.camera.intersect(origins, directions)
+        return self._parts.camera.intersect(origins, directions, slots)
+
+    def slots(self, n: int) -> np.ndarray | None:
+        """See Accel."""
+        return self._parts.camera.accel.slots(n)
 
     @property
     def looks(self) -> Traversal:

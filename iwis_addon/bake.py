@@ -48,6 +48,7 @@ class BakeRender:
                 cancelled=self._cancelled,
                 camera=camera_of_bake(depsgraph, warnings),
                 geometry=geometry,
+                written_out=True,
             )
             self._geometry = geometry[0]
             self.scene = with_asked(found, depsgraph, self._geometry)

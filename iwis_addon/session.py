@@ -75,7 +75,7 @@ class FinalRender:
             )
             told = self._export_stats.warnings
             if wants_vectors(depsgraph):
-                self.scene = export_with_vectors(self.engine, depsgraph, export)
+                self.scene = export_with_vectors(self.engine, depsgraph, told, export)
             else:
                 self.scene = export_in_motion(self.engine, depsgraph, told, export)
         self.job.warn(self._export_stats.warnings)

@@ -34,6 +34,7 @@ MAY_IMPORT_OF_CORE = {
     | {
         "asked_passes",
         "bake_points",
+        "copies",
         "displacement",
         "lamps",
         "emitters",

@@ -2,6 +2,7 @@
 
 errors                       what can stop an export
 local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
+copied                       which instances are not in it, but shown by Embree
 displaced_mesh               that table where materials have moved its vertices
 parts, point_..., strand..., hair_curves, particle_hair, element_values
                              points and strands: spheres and tubes, and what nodes ask of them
@@ -35,6 +36,7 @@ from ...core.scene import NO_MEASURED, Scene
 from .aovs import AovExport, export_aovs, no_aovs
 from .asked import occlusion_distance, read_asked
 from .camera import export_camera
+from .copied import Copying
 from .displaced_mesh import displaced_geometry
 from .errors import ExportCancelled, ExportError
 from .lamp_pictures import with_pictures
@@ -82,6 +84,7 @@ def export_scene(
     own_camera=None,
     live: LiveExport | None = None,
     geometry: list[MeshExport] | None = None,
+    written_out: bool = False,
 ) -> Scene:
     """All that one picture of the graph's scene and view layer needs.
 
@@ -90,13 +93,16 @@ def export_scene(
     live: what of a window need not be read
     warnings: gets one line for all that is rendered otherwise than Cycles would
     geometry: gets what the mesh table was made of
+    written_out: whether all triangles of all instances are to be in the mesh table
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
     camera = camera or export_camera(depsgraph, warnings, region=region, own=own_camera)
-    read, geometry = geometry, export_mesh(depsgraph, warnings, cache, cancelled)
-    texels = None if cache is None else cache.texels
-    own = depsgraph, geometry, live, texels, cancelled, warnings
-    (materials, measured), world = _materials_and_world(*own)
+    read, texels = geometry, None if cache is None else cache.texels
+    shading = _Shading(depsgraph, live, texels, cancelled, warnings)
+    copying = None if written_out else Copying(shading.materials_of, _pixels(camera, live))
+    geometry = export_mesh(depsgraph, warnings, cache, cancelled, copying)
+    materials, measured = shading.of(geometry.materials, geometry.material_users)
+    world = shading.world()
     if cancelled():
         raise ExportCancelled
     scene = depsgraph.scene_eval
@@ -121,29 +127,52 @@ def export_scene(
         exposure=film_exposure(scene),
         asked=NO_PASSES if live is not None else read_asked(depsgraph, geometry),
         object_to_world=None if live is None or geometry.rest is not None else _places(geometry),
+        copies=geometry.copies,
     )
     if read is not None:
         read.append(geometry)
     return _with_lamps(unlit, geometry, texels, warnings)
 
 
-def _materials_and_world(depsgraph, geometry: MeshExport, live, texels, cancelled, warnings):
-    """(what _export_materials gives, what read_world gives); in a window what has changed alone."""
-    keep = (live or LiveExport()).keep
-    least_height = None if live is None else LEAST_IN_WINDOW
-    materials = keep(
-        "materials",
-        geometry.materials,
-        warnings,
-        lambda lines: _export_materials(geometry, texels, lines),
-    )
-    world = keep(
-        "world",
-        [world_of(depsgraph)],
-        warnings,
-        lambda lines: read_world(depsgraph, lines, texels, cancelled, least_height),
-    )
-    return materials, world
+def _pixels(camera, live) -> int:
+    """Of Copying."""
+    x0, y0, x1, y1 = camera.region
+    return (x1 - x0) * (y1 - y0) if live is None else 0
+
+
+class _Shading:
+    """The materials and the world of a graph; of a window what has changed alone is read."""
+
+    def __init__(self, depsgraph, live: LiveExport | None, texels, cancelled, warnings: list[str]):
+        self._depsgraph, self._cancelled, self._warnings = depsgraph, cancelled, warnings
+        self._keep = (live or LiveExport()).keep
+        self._texels, self._in_window = texels, live is not None
+        self._found = None
+
+    def of(self, materials: list, users: list[list[str]]):
+        """What _export_materials gives; once, whoever asks again."""
+        if self._found is None:
+            self._found = self._keep(
+                "materials",
+                materials,
+                self._warnings,
+                lambda lines: _export_materials(materials, users, self._texels, lines),
+            )
+        return self._found
+
+    def materials_of(self, materials: list, users: list[list[str]]) -> MaterialExport:
+        """Of export_mesh."""
+        return self.of(materials, users)[0]
+
+    def world(self):
+        """What read_world gives."""
+        own = self._texels, self._cancelled, LEAST_IN_WINDOW if self._in_window else None
+        return self._keep(
+            "world",
+            [world_of(self._depsgraph)],
+            self._warnings,
+            lambda lines: read_world(self._depsgraph, lines, *own),
+        )
 
 
 def _places(geometry: MeshExport) -> np.ndarray:
@@ -183,9 +212,8 @@ def film_exposure(scene) -> float:
     return scene.cycles.film_exposure if hasattr(scene, "cycles") else 1.0
 
 
-def _export_materials(geometry: MeshExport, texels, warnings: list[str]):
+def _export_materials(materials: list, users: list[list[str]], texels, warnings: list[str]):
     """(MaterialExport, MeasuredBrdfs or None) of the materials of a mesh table."""
-    materials, users = geometry.materials, geometry.material_users
     found = export_shaders(without_measured(materials), warnings, users, texels)
     params, index, measured = add_measured(materials, found.params, found.pass_index, users)
     return found._replace(params=params, pass_index=index), measured

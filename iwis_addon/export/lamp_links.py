@@ -48,6 +48,11 @@ class LampLinks:
                 self._members[collection.as_pointer()] = members
                 self._linked |= members.included | members.excluded
 
+    @property
+    def there(self) -> bool:
+        """Whether any object has a link."""
+        return bool(self._linked)
+
     def _who(self, asked: Asked):
         """The original object that stands for one in links: its instancer, if links know that."""
         made_by = asked.instancer

@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...core.copies import Copies
 from ...core.program import AtRest
 from ...core.scene import TriangleMesh
+from .copied import Copying, CopyPlan, copies_of, same_plan
 from .instances import Inventory, collect_instances
 from .local_mesh import LiveMeshes, LocalMesh
 from .mesh_size import check_size
@@ -31,6 +33,7 @@ class MeshExport(NamedTuple):
     inventory: where all came from; kept: bool, of all triangles those of mesh, and
         int32, the objects of all; None: all are in it
     rest: what there was before materials have moved vertices (displaced_mesh.py); None: none has
+    copies: instances that are not in mesh themselves; None: all are
     """
 
     mesh: TriangleMesh
@@ -42,14 +45,17 @@ class MeshExport(NamedTuple):
     inventory: Inventory
     kept: tuple[np.ndarray, np.ndarray] | None
     rest: AtRest | None = None
+    copies: Copies | None = None
 
 
 class _Merged(NamedTuple):
-    """A mesh table; kept: as in MeshExport; placed: None where triangles were left out."""
+    """A mesh table; kept, copies: as in MeshExport; placed: None where triangles, or copies, were
+    left out."""
 
     mesh: TriangleMesh
     kept: tuple[np.ndarray, np.ndarray] | None
     placed: Placed | None
+    copies: Copies | None = None
 
 
 class _Key(NamedTuple):
@@ -77,7 +83,9 @@ class ExportCache:
     def __init__(self):
         self.parts: dict[bytes, LocalMesh] = {}
         self.key = None
+        self.plan: CopyPlan | None = None
         self.mesh: TriangleMesh | None = None
+        self.copies: Copies | None = None
         self.placed: Placed | None = None  # only where all of it is in mesh
         self.kept: tuple[np.ndarray, np.ndarray] | None = None
         self.warnings: list[str] = []
@@ -87,21 +95,28 @@ class ExportCache:
         self.live: LiveMeshes | None = None
         self.shown = None
 
-    def remember(self, key, parts, merged: _Merged, warnings):
+    def remember(self, key, plan, parts, merged: _Merged, warnings):
         self.parts = {part.digest: part for part in parts}
-        self.key, self.warnings = key, warnings
-        self.mesh, self.kept, self.placed = merged
+        self.key, self.plan, self.warnings = key, plan, warnings
+        self.mesh, self.kept, self.placed, self.copies = merged
 
-    def moved(self, key, inventory: Inventory) -> _Merged | None:
-        """What the last frame had, but for the matrices of a few, or of less than half, of its
-        instances."""
+    def is_of(self, key, plan: CopyPlan | None) -> bool:
+        """Whether the last frame's geometry is that of these."""
+        return self.mesh is not None and key == self.key and same_plan(plan, self.plan)
+
+    def moved(self, key, plan: CopyPlan | None, inventory: Inventory) -> _Merged | None:
+        """What the last frame had, but for the matrices of copies; or where there are none, for
+        those of a few, or of less than half, of its instances."""
         before = self.key
-        if self.placed is None or len(before) != len(key):
+        if self.mesh is None or len(before) != len(key) or not same_plan(plan, self.plan):
             return None
         rows = [row for row, new in enumerate(key) if new != before[row]]
-        if len(rows) > max(_FEW, len(key) // 2):
-            return None
         if any(key[r].but_place != before[r].but_place for r in rows):
+            return None
+        if plan is not None and not plan.written(len(key))[rows].any():
+            copies = copies_of(plan, inventory, self.mesh.object_index)
+            return _Merged(self.mesh, self.kept, None, copies)
+        if self.placed is None or len(rows) > max(_FEW, len(key) // 2):
             return None
         placed = move_instances(self.placed, inventory, rows)
         return None if placed is None else _Merged(placed.mesh, None, placed)
@@ -148,21 +163,29 @@ def _material_users(inventory: Inventory) -> list[list[str]]:
     return list(map(list, users))
 
 
-def _merge(inventory: Inventory, warnings, cancelled) -> _Merged:
-    check_size(inventory)
-    placed = place_instances(inventory, cancelled)
-    mesh, usable = placed.mesh, placed.usable
-    if usable.all():
-        return _Merged(mesh, None, placed)
-    kept = usable, mesh.object_index
-    return _Merged(_drop_triangles(mesh, usable, inventory, warnings), kept, None)
+def _merge(inventory: Inventory, plan: CopyPlan | None, warnings, cancelled) -> _Merged:
+    written = None if plan is None else plan.written(len(inventory.instances))
+    check_size(inventory, written)
+    placed = place_instances(inventory, cancelled, written)
+    mesh, usable, kept = placed.mesh, placed.usable, None
+    if not usable.all():
+        kept = usable, mesh.object_index
+        mesh = _drop_triangles(mesh, usable, inventory, warnings)
+    if plan is not None:
+        return _Merged(mesh, kept, None, copies_of(plan, inventory, mesh.object_index))
+    return _Merged(mesh, kept, placed if kept is None else None)
 
 
 def export_mesh(
-    depsgraph, warnings: list[str], cache: ExportCache | None = None, cancelled=lambda: False
+    depsgraph,
+    warnings: list[str],
+    cache: ExportCache | None = None,
+    cancelled=lambda: False,
+    copying: Copying | None = None,
 ) -> MeshExport:
     """All geometry that the graph renders, in world space; each triangle is finite and has area.
 
+    copying: what may be left out of the mesh table; None: nothing
     warnings: gets a line for each kind of object left out, and for each object with bad triangles
     cache: the same object for every frame of an animation; unchanged geometry is then reused
     Raises ExportError if there is too much, ExportCancelled as soon as cancelled() says so.
@@ -177,15 +200,16 @@ def export_mesh(
     lift = np.array([instance.terminator_offset for instance in instances], np.float32)
     flags = np.array([instance.flags for instance in instances], np.uint8)
     rest = inventory.materials, _material_users(inventory), pass_index, lift, flags
+    plan = None if copying is None else copying.plan(inventory, rest[1])
     if cache is None:
-        mesh, kept, _ = _merge(inventory, warnings, cancelled)
-        return MeshExport(mesh, *rest, inventory, kept)
+        mesh, kept, _, copies = _merge(inventory, plan, warnings, cancelled)
+        return MeshExport(mesh, *rest, inventory, kept, copies=copies)
     key = [
         _Key(i.name, parts[i.part].digest, i.slots, i.object_to_world.tobytes()) for i in instances
     ]
-    if cache.mesh is None or key != cache.key:
+    if not cache.is_of(key, plan):
         lines: list[str] = []
-        merged = cache.moved(key, inventory) or _merge(inventory, lines, cancelled)
-        cache.remember(key, parts, merged, lines)
+        merged = cache.moved(key, plan, inventory) or _merge(inventory, plan, lines, cancelled)
+        cache.remember(key, plan, parts, merged, lines)
     warnings.extend(cache.warnings)
-    return MeshExport(cache.mesh, *rest, inventory, cache.kept)
+    return MeshExport(cache.mesh, *rest, inventory, cache.kept, copies=cache.copies)

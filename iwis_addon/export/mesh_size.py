@@ -1,8 +1,8 @@
 """Whether a scene's triangles fit: into 32-bit numbers, and into memory. Needs no Blender.
 
-Embree's instances are not used: each instance's triangles are written out in world space
-(docs/measured.md has the bytes). So a scatter of a million trees must be refused with a
-message while there is still memory to say it.
+Instances that are no copies (copied.py) are written out in world space (docs/measured.md has the
+bytes). So a scatter of a million trees that shine must be refused with a message while there is
+still memory to say it.
 """
 
 from __future__ import annotations
@@ -52,9 +52,14 @@ def check_made(name: str, what: str, n_triangles: int) -> None:
     )
 
 
-def check_size(inventory: Inventory) -> None:
-    """Raises ExportError where there are too many triangles, naming the object that has most."""
+def check_size(inventory: Inventory, written: np.ndarray | None = None) -> None:
+    """Raises ExportError where there are too many triangles, naming the object that has most.
+
+    written: bool, one an instance: which are in the mesh table; None: all
+    """
     parts, instances = inventory.parts, inventory.instances
+    if written is not None:
+        instances = [instances[row] for row in np.flatnonzero(written)]
     triangles = np.array([len(part.triangles) for part in parts], np.int64)
     vertices = np.array([len(part.positions) for part in parts], np.int64)
     users = np.bincount([i.part for i in instances], minlength=len(parts))

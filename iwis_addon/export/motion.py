@@ -8,6 +8,7 @@ say at how many times their places are read; between two of them a camera turns 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
 import math
 from collections.abc import Callable
@@ -36,11 +37,22 @@ def export_in_motion(engine, depsgraph, warnings: list[str], export: Callable[..
     warnings: gets a line where something moves or changes its shape and is not blurred
     Lamps are as in the middle, as in Cycles.
     """
-    scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
-    layer = depsgraph.view_layer_eval
-    geometry: list[MeshExport] = []
+    render, layer = depsgraph.scene_eval.render, depsgraph.view_layer_eval
     if not render.use_motion_blur or not getattr(layer, "use_motion_blur", True):
-        return export(geometry=geometry)
+        return export(geometry=[])
+    begin = len(warnings)
+    found = _in_motion(engine, depsgraph, warnings, export)
+    if found.copies is None or found.motion is None:
+        return found
+    del warnings[begin:]  # either is Embree's instances: nothing is a copy where anything moves
+    whole = functools.partial(export, written_out=True)
+    return _in_motion(engine, depsgraph, warnings, whole)
+
+
+def _in_motion(engine, depsgraph, warnings: list[str], export: Callable[..., Scene]) -> Scene:
+    """See export_in_motion. warnings: what export() tells of, too"""
+    scene, render = depsgraph.scene_eval, depsgraph.scene_eval.render
+    geometry: list[MeshExport] = []
     own = own_camera(depsgraph)
     now = scene.frame_current + scene.frame_subframe
     middle = now + _MIDDLE[render.motion_blur_position] * render.motion_blur_shutter

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections import Counter
 from collections.abc import Callable
 
@@ -25,8 +26,20 @@ def wants_vectors(depsgraph) -> bool:
     return layer.use_pass_vector and not blurred
 
 
-def export_with_vectors(engine, depsgraph, export: Callable[..., Scene]) -> Scene:
-    """What export() gives, with pixel_motion. The rest as for export_in_motion"""
+def export_with_vectors(
+    engine, depsgraph, warnings: list[str], export: Callable[..., Scene]
+) -> Scene:
+    """What export() gives, with pixel_motion. The rest as for export_in_motion; warnings: what
+    export() tells of"""
+    begin = len(warnings)
+    found = _with_vectors(engine, depsgraph, export)
+    if found.copies is None or not found.pixel_motion.shapes:
+        return found
+    del warnings[begin:]  # what changes its shape must not be a copy
+    return _with_vectors(engine, depsgraph, functools.partial(export, written_out=True))
+
+
+def _with_vectors(engine, depsgraph, export: Callable[..., Scene]) -> Scene:
     geometry: list[MeshExport] = []
     scene = depsgraph.scene_eval
     own = own_camera(depsgraph)

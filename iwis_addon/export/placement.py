@@ -44,7 +44,7 @@ def transform_points(matrices, points, out):
             np.add(values, row[:, 3], out=out[:, start : start + CHUNK, i])
 
 
-def _cofactors(matrices):
+def cofactors_of(matrices):
     """Inverse transposes of the upper 3x3 up to a positive factor, and which of them mirror.
 
     matrices: float64 (k, 3, 4). Returns float32 (k, 3, 4) with a zero last column, bool (k,).
@@ -85,7 +85,7 @@ class Transforms(NamedTuple):
     @classmethod
     def of(cls, instances: list[Instance]) -> Transforms:
         exact = np.array([instance.object_to_world for instance in instances])
-        cofactors, mirrors = _cofactors(exact.reshape(-1, 4, 4)[:, :3])
+        cofactors, mirrors = cofactors_of(exact.reshape(-1, 4, 4)[:, :3])
         return cls(exact.reshape(-1, 4, 4)[:, :3].astype(np.float32), cofactors, mirrors)
 
 
@@ -94,16 +94,16 @@ def users_of(inventory: Inventory) -> np.ndarray:
     return np.bincount([i.part for i in inventory.instances], minlength=len(inventory.parts))
 
 
-def _batches(inventory: Inventory, mirrors) -> Iterator[tuple[Instance, list[int]]]:
-    """Rows of instances that differ in nothing but their matrix, few enough for the cache.
+def _batches(inventory: Inventory, mirrors, rows) -> Iterator[tuple[Instance, list[int]]]:
+    """Those of the rows of instances that differ in nothing but their matrix, few enough for the
+    cache.
 
     Yields an instance that stands for all of them, and their rows.
     """
     groups: dict[tuple, list[int]] = {}
-    for row, (instance, mirror) in enumerate(
-        zip(inventory.instances, mirrors.tolist(), strict=True)
-    ):
-        groups.setdefault((instance.part, instance.slots, mirror), []).append(row)
+    for row in rows:
+        instance = inventory.instances[row]
+        groups.setdefault((instance.part, instance.slots, bool(mirrors[row])), []).append(row)
     for (part, _, _), rows in groups.items():
         mesh = inventory.parts[part]
         most = max(CHUNK // max(len(mesh.positions), len(mesh.triangles)), 1)
@@ -218,19 +218,23 @@ def corner_order(mirrored):
     return [0, 2, 1] if mirrored else slice(None)
 
 
-def place_instances(inventory: Inventory, cancelled=lambda: False) -> Placed:
-    """All instances in world space. Raises ExportCancelled as soon as cancelled() says so."""
+def place_instances(
+    inventory: Inventory, cancelled=lambda: False, written: np.ndarray | None = None
+) -> Placed:
+    """Instances in world space. Raises ExportCancelled as soon as cancelled() says so.
+
+    written: bool, one an instance: which ones; None: all
+    """
     parts, instances = inventory.parts, inventory.instances
-    writer = _Writer(
-        sum(len(parts[instance.part].positions) for instance in instances),
-        sum(len(parts[instance.part].triangles) for instance in instances),
-        len(instances),
-    )
+    chosen = range(len(instances)) if written is None else np.flatnonzero(written).tolist()
+    own = [parts[instances[row].part] for row in chosen]
+    counts = (sum(len(p.positions) for p in own), sum(len(p.triangles) for p in own))
+    writer = _Writer(*counts, len(instances))
     users, mesh = users_of(inventory), writer.mesh
     # Broken vertices are told from good ones afterwards; meanwhile their arithmetic may overflow.
     with np.errstate(all="ignore"):
         matrices, cofactors, mirrors = Transforms.of(instances)
-        for instance, rows in _batches(inventory, mirrors):
+        for instance, rows in _batches(inventory, mirrors, chosen):
             if cancelled():
                 raise ExportCancelled
             shared = users[instance.part] > 1

@@ -118,7 +118,7 @@ def test_sockets_are_those_of_cycles(cube_scene):
 def exported(scene):
     graph = bpy.context.evaluated_depsgraph_get()
     export = functools.partial(export_scene, graph, warnings=[])
-    return export_with_vectors(engine_of(scene), graph, export).pixel_motion
+    return export_with_vectors(engine_of(scene), graph, [], export).pixel_motion
 
 
 def test_what_stands_has_no_row(moving):
