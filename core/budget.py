@@ -56,7 +56,9 @@ class BudgetRender:
         self._demands: list[Demand | None] = [None] * len(tiles)
         self._counts: list[TileCounts | None] = [None] * len(tiles)
         x0, y0, x1, y1 = job.scene.camera.region
-        self._keeps = (x1 - x0) * (y1 - y0) <= _KEPT_PIXELS
+        # Where there are copies, what a tile has seen of them is gone when its thread goes on.
+        few = (x1 - x0) * (y1 - y0) <= _KEPT_PIXELS
+        self._keeps = few and job.scene.copies is None
         self._centered = job.settings.pixel_filter == "CENTER"
         self._timed = job.settings.time_limit > 0.0
         self._pace, self._cancelled = Pace(job.settings.time_limit), False

@@ -10,8 +10,11 @@ from iwis.core.copied_accel import CopiedAccel
 from iwis.core.copied_rows import CopiedRows, written_out
 from iwis.core.copies import Copies
 from iwis.core.embree_instances import can_copy
+from iwis.core.pixel_view import look_at_pixel
+from iwis.core.progressive import Pace, render_progressive
 from iwis.core.render_cache import RenderCache
 from iwis.core.settings import RenderSettings
+from iwis.core.watch import StopFlag
 from support.scenes import (
     box,
     camera_at,
@@ -180,3 +183,41 @@ def test_nothing_is_left_where_all_rays_look_past_the_originals():
     down = np.float32([[0.0, 0.0, -1.0]])
     hit, _, _ = rays.intersect(np.float32([[0.6, 0.6, 5.0]]), down, rays.slots(1))
     assert scene.mesh.object_index[hit[0]] == 0
+
+
+@pytest.mark.parametrize("pixel_filter", ["CENTER", "BLACKMAN_HARRIS"])
+def test_a_window_shows_copies_at_last_as_a_render_does(pixel_filter):
+    scene, shown = copied_scene(), []
+    own = {"max_samples": 16, "stop_rule": "FIXED", "pixel_filter": pixel_filter}
+    settings = RenderSettings(**own, threads=2)
+    asked = shown.append, RenderCache(), Pace(), StopFlag(), StopFlag()
+    render_progressive(scene, settings, *asked)
+    expected, _ = make_picture(scene, **own)
+    last = shown[-1].layers["combined"]
+    # Products are made anew after each pause: samples move by float32's last bits.
+    np.testing.assert_allclose(last.mean(), expected["combined"].mean(), rtol=2e-3)
+
+
+def test_a_pixel_of_a_copy_can_be_looked_at():
+    scene = copied_scene()
+    layers, _ = make_picture(scene, max_samples=4, stop_rule="FIXED")
+    y, x = np.argwhere(layers["object_index"][..., 0] >= 3)[0]
+    view = look_at_pixel(scene, RenderSettings(max_samples=16), int(x), int(y), 16)
+    np.testing.assert_allclose(view.position, layers["position"][y, x], atol=1e-5)
+
+
+@pytest.mark.parametrize("stop_rule", ["BUDGET", "PERCEPTUAL", "PAPER"])
+@pytest.mark.parametrize("pixel_filter", ["CENTER", "BLACKMAN_HARRIS"])
+def test_every_rule_finds_copies_where_they_are(stop_rule, pixel_filter):
+    """A budget goes from tile to tile and back: what it has seen is looked at anew."""
+    scene = copied_scene(pixel=(70, 50))
+    own = {"stop_rule": stop_rule, "pixel_filter": pixel_filter, "tile_px": 16, "threads": 2}
+    if stop_rule == "BUDGET":
+        own |= {"target_samples": 12, "max_samples": 64}
+    else:
+        own |= {"max_samples": 32, "error_threshold": 0.1}
+    ours, expected = (make_picture(one, **own)[0] for one in (scene, written_out(scene)))
+    for name in ("object_index", "material_index", "depth", "normal"):
+        np.testing.assert_allclose(ours[name], expected[name], rtol=1e-4, atol=2e-3)
+    mean = expected["combined"].mean()
+    np.testing.assert_allclose(ours["combined"].mean(), mean, rtol=3e-3)  # counts differ a little
