@@ -14,6 +14,7 @@ from ..core.settings import DenoiseSettings, RenderSettings
 from . import preferences
 from .cli import CommandError
 from .job import ENGINE, FrameStats, RenderJob, stats_by_frame
+from .leave import end_without_waiting
 from .output import check_written
 from .settings import apply_settings
 
@@ -47,6 +48,8 @@ def render_file(
                 scene.render.engine = "BLENDER_WORKBENCH"
         unregister()
         RenderJob.interrupt = threading.Event()
+        if interrupted.is_set():
+            end_without_waiting(bpy.app.tempdir)
 
 
 def _open(path: Path):

@@ -20,6 +20,7 @@ from .export import ExportCancelled, export_scene
 from .export.motion import export_in_motion
 from .export.pixel_motion import export_with_vectors, wants_vectors
 from .job import RenderJob, RenderRecord
+from .leave import end_without_waiting
 from .manifest import stamp_mattes
 from .number_film import NumberFilm
 from .output import check_room
@@ -160,6 +161,8 @@ class FinalRender:
         """
         deliver_empty(self.engine, self.layer, self.delivered)
         self.job.mark_rendered()
+        if bpy.app.background and not bpy.app.module and self._cancelled():
+            end_without_waiting(bpy.app.tempdir)
 
 
 def _denoising(scene, view_layer) -> Denoising:

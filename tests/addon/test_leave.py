@@ -1,0 +1,53 @@
+"""The end of a process does not wait for IWIS' threads after an interrupt, and only then."""
+
+import subprocess
+import sys
+import time
+
+import pytest
+
+SCRIPT = """
+import sys, threading, time
+from iwis.iwis_addon.leave import end_without_waiting
+
+name, told, seconds, temporary = sys.argv[1:]
+threading.Thread(target=time.sleep, args=(float(seconds),), name=name).start()
+if told == "told":
+    end_without_waiting(temporary)
+print("the last line")
+sys.exit(3)
+"""
+LONG = 60.0  # seconds: as a kernel may take that is compiled for the first time
+
+
+def _run(name, told, seconds, temporary):
+    """(exit code, output, seconds) of a process that ends with a thread of this name at work."""
+    began = time.monotonic()
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, name, told, str(seconds), str(temporary)],
+        capture_output=True,
+        text=True,
+        timeout=LONG,
+        check=False,
+    )
+    return done.returncode, done.stdout, time.monotonic() - began
+
+
+@pytest.mark.slow
+def test_process_ends_while_a_thread_of_ours_works(tmp_path):
+    """At once, with code 1, all its lines and nothing left behind."""
+    temporary = tmp_path / "blender_abc"
+    temporary.mkdir()
+    code, text, seconds = _run("iwis-early", "told", LONG, temporary)
+    assert code == 1 and text == "the last line\n"
+    assert seconds < LONG / 2  # Python and bpy start in two, on a busy machine in ten
+    assert not temporary.exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "told"), [("iwis-early", "untold"), ("other", "told")])
+def test_threads_are_waited_for_otherwise(tmp_path, name, told):
+    """Threads of others, and those of a render that nobody interrupted, end as they like."""
+    code, text, seconds = _run(name, told, 1.0, tmp_path)
+    assert code == 3 and text == "the last line\n" and seconds > 1.0
+    assert tmp_path.exists()
