@@ -2,8 +2,8 @@
 
 numba's own disk cache does not see an edit in a callee of another file, cannot be read under
 another package name (``iwis.core`` against ``bl_ext.user_default.iwis.core``), and ignores
-NUMBA_BOUNDSCHECK. So the folder's name is a hash of all three: whatever changes, the kernels are
-compiled anew.
+variables such as NUMBA_BOUNDSCHECK and NUMBA_OPT. So the folder's name is a hash of all three:
+whatever changes, the kernels are compiled anew.
 """
 
 import hashlib
@@ -25,6 +25,15 @@ except (ImportError, AttributeError):  # a numba with other insides: it compiles
     _KNOWN_NUMBA = False
 
 log = logging.getLogger(__name__)
+
+# Variables by which numba makes other code, of which its own cache knows nothing.
+_CHANGE_CODE = (
+    "NUMBA_BOUNDSCHECK",
+    "NUMBA_OPT",
+    "NUMBA_LOOP_VECTORIZE",
+    "NUMBA_SLP_VECTORIZE",
+    "NUMBA_DEBUGINFO",
+)
 
 # Relaxed arithmetic that keeps NaN and infinity honest: "nnan" and "ninf" are left out, for
 # isfinite() must stay true to its name.
@@ -48,8 +57,8 @@ def user_cache_dir() -> Path:
 def _code_key() -> str:
     digest = hashlib.sha256(__name__.encode())
     digest.update(repr((numba.__version__, sys.version_info[:3])).encode())
-    digest.update(os.environ.get("NUMBA_BOUNDSCHECK", "").encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    digest.update(repr([os.environ.get(name, "") for name in _CHANGE_CODE]).encode())
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:24]
 

@@ -2,11 +2,16 @@
 
 numba ends with whatever pickle makes of a file that is cut short or overwritten, and so does every
 later render; a sum at the end of each file tells of it, and the kernel is compiled anew.
+
+numba numbers the files of a kernel's signatures and processors. Two processes that begin at once,
+on machines of a farm that share a folder, take the same number, and one would execute what the
+other has compiled for other types or another processor. Here a file is named by what it is for.
 """
 
 from __future__ import annotations
 
 import functools
+import hashlib
 import logging
 import pickle
 import zlib
@@ -17,6 +22,7 @@ from numba.core.caching import IndexDataCacheFile
 log = logging.getLogger(__name__)
 
 _SUM = 4  # bytes
+_NAME = 12  # letters: Windows has paths of 260
 
 
 class KernelFiles(IndexDataCacheFile):
@@ -31,10 +37,18 @@ class KernelFiles(IndexDataCacheFile):
 
     def save(self, key, data):
         """Keep machine code; a disk that is full or gone is told of, once."""
+        name = self._name_of(key)
         try:
-            super().save(key, data)
+            self._save_data(name, data)
+            listed = self._load_index()  # late: what others have listed meanwhile is kept
+            if listed.get(key) != name:
+                self._save_index(listed | {key: name})
         except OSError as error:
             _tell_once(self._cache_path, error.strerror or str(error))
+
+    def _name_of(self, key) -> str:
+        digest = hashlib.sha256(self._dump(key)).hexdigest()[:_NAME]
+        return f"{self._index_name.removesuffix('.nbi')}.{digest}.nbc"
 
     def _load_index(self):
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import logging
+import os
 import platform
 import sys
 
@@ -48,6 +49,13 @@ def require() -> None:
             raise MissingPackage(
                 f"IWIS cannot render: the Python package {name} does not load ({error}). "
                 "Install the IWIS extension zip built for this Blender and this system."
+            ) from error
+        except Exception as error:  # numba reads the environment, and refuses some of it
+            told = [f"{key}={value}" for key, value in os.environ.items() if key[:6] == "NUMBA_"]
+            raise MissingPackage(
+                f"IWIS cannot render: the Python package {name} does not load "
+                f"({type(error).__name__}: {str(error).strip()}). Unset what is wrong of the "
+                f"environment: {', '.join(told) or 'no variable NUMBA_... is set'}."
             ) from error
 
 

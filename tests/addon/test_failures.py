@@ -73,6 +73,11 @@ CASES = {
         "import iwis.iwis_addon.dependencies as d; d.missing = lambda: []",
         "embreex does not load",
     ),
+    "odd environment": (
+        "import os; os.environ['NUMBA_NUM_THREADS'] = '0'",
+        "numba does not load (ValueError: Number of threads specified must be > 0.). Unset what is "
+        "wrong of the environment: NUMBA_NUM_THREADS=0",
+    ),
     "export": (EXPORT.format(error="ValueError('World: texel is negative')"), "World: texel"),
     "export, unforeseen": (EXPORT.format(error="KeyError('oops')"), "KeyError"),
     "core": (CORE.format(error="OSError('cannot read tables')"), "cannot read tables"),

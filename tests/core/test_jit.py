@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numba
 import numpy as np
+import pytest
 
 from iwis.core import _jit
 
@@ -49,11 +50,12 @@ def test_cache_folder_is_chosen_by_the_environment(tmp_path):
     assert Path(_cache_dir_of(IWIS_CACHE_DIR=str(tmp_path))).parent == tmp_path / "numba"
 
 
-def test_bounds_checked_code_is_kept_apart(tmp_path):
-    """NUMBA_BOUNDSCHECK is in the folder's name: cached code without checks is not reused."""
+@pytest.mark.parametrize("name", ["BOUNDSCHECK", "OPT", "SLP_VECTORIZE"])
+def test_other_code_is_kept_apart(tmp_path, name):
+    """Code with checks, or not optimised, is not what a later start without them finds."""
     folder = {"IWIS_CACHE_DIR": str(tmp_path)}
-    checked = _cache_dir_of(**folder, NUMBA_BOUNDSCHECK="1")
-    assert checked != _cache_dir_of(**folder, NUMBA_BOUNDSCHECK="0")
+    one = _cache_dir_of(**folder, **{f"NUMBA_{name}": "1"})
+    assert one != _cache_dir_of(**folder, **{f"NUMBA_{name}": "0"})
 
 
 def test_unwritable_cache_folder_falls_back_to_a_temporary_one(tmp_path):

@@ -68,6 +68,36 @@ def test_a_callback_of_c_is_compiled_anew(folder):
     assert again.cache_hits == 1 and again.ctypes(3.0) == 1.5
 
 
+def test_processes_that_begin_at_once_share_no_file(folder, monkeypatch):
+    """Neither has seen what the other lists: each finds its own machine code, or none."""
+    files = _jit.kernel(_twice)._cache._cache_file
+    real, others_turn = KernelFiles._save_data, [True]
+
+    def save_data(self, name, data):
+        if others_turn:
+            others_turn.clear()
+            self.save("types of the other", "code of the other")
+        real(self, name, data)
+
+    with monkeypatch.context() as at_once:
+        at_once.setattr(KernelFiles, "_load_index", lambda self: {})
+        at_once.setattr(KernelFiles, "_save_data", save_data)
+        files.save("types of one", "code of one")
+    assert files.load("types of the other") in ("code of the other", None)
+    assert files.load("types of one") in ("code of one", None)
+    files.save("types of the other", "code of the other")
+    assert files.load("types of one") == "code of one"
+    assert files.load("types of the other") == "code of the other"
+
+
+def test_what_is_compiled_again_takes_the_same_file(folder):
+    """A file that no index lists any more does not stay beside its like."""
+    (index,) = folder.rglob("*.nbi")
+    before = list(folder.rglob("*.nbc"))
+    index.unlink()
+    assert not _compiled() and list(folder.rglob("*.nbc")) == before
+
+
 def test_a_full_disk_is_told_once_and_no_error(folder, monkeypatch, caplog):
     """Kernels stay in memory."""
 
