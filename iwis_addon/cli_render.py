@@ -103,15 +103,13 @@ def _render(scene, options) -> list[FrameStats]:
 
 
 def _check(path: Path) -> None:
-    """Every file of a frame is whole: stereo views put theirs beside the name, as out_L.exr."""
-    written = [path] if path.exists() else list(path.parent.glob(f"{path.stem}*{path.suffix}"))
+    """Every file of a frame is there, and whole."""
+    try:
+        written = check_written(path)
+    except OSError as error:
+        raise CommandError(str(error)) from None
     if not written:
         raise CommandError(f"{path}: was not written")
-    for file in written:
-        try:
-            check_written(file)
-        except OSError as error:
-            raise CommandError(str(error)) from None
 
 
 def output_path(options, frame: int) -> Path:

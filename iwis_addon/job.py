@@ -21,7 +21,9 @@ from bpy.app.handlers import persistent
 from ..core.film import Film
 from ..core.stats import RenderStats
 from .export import ExportCache
+from .leave import end_with_failure
 from .number_film import NumberFilm
+from .output import check_saved
 
 log = logging.getLogger(__name__)
 
@@ -44,6 +46,7 @@ class RenderJob:
     records: one a frame, view layer and view, in the order of rendering
     films: (view layer, view) -> Film of the last frame, filled with `scene.iwis.keep_film`
     numbers: likewise NumberFilm, filled in a window and with `scene.iwis.keep_film`
+    unsaved: what is wrong with the file of a frame of this job, "" where nothing is
     interrupt: the command line's event; once it is set, all renders end as by a user's Esc
     rendering: the engine that Blender renders with, "" where it does not; a bake is not a render
     """
@@ -56,6 +59,7 @@ class RenderJob:
         self.records: list[RenderRecord] = []
         self.films: dict[tuple[str, str], Film] = {}
         self.numbers: dict[tuple[str, str], NumberFilm] = {}
+        self.unsaved = ""
         self._warned: set[str] = set()
         self.export_cache = ExportCache()
         self._render_cache = None
@@ -157,6 +161,20 @@ def _on_render_post(_scene, _depsgraph=None):
 
 
 @persistent
+def _on_render_write(scene, _depsgraph=None):
+    job = RenderJob.current
+    if RenderJob.rendering != ENGINE or job is None:
+        return
+    try:
+        check_saved(scene)
+    except OSError as error:
+        if bpy.app.background and not job.unsaved:  # Blender would end with 0
+            end_with_failure(bpy.app.tempdir)
+        job.unsaved = f"IWIS: {error}"
+        log.error(job.unsaved)
+
+
+@persistent
 def _on_render_end(scene, _depsgraph=None):
     RenderJob.rendering = ""
     if RenderJob.current is not None and not scene.render.use_persistent_data:
@@ -171,6 +189,7 @@ def _on_load(_path=None, _depsgraph=None):
 _HANDLERS = (
     ("render_init", _on_render_init),
     ("render_post", _on_render_post),
+    ("render_write", _on_render_write),
     ("render_complete", _on_render_end),
     ("render_cancel", _on_render_end),
     ("load_pre", _on_load),

@@ -1,8 +1,8 @@
-"""The end of a process whose render was interrupted: what is still compiled is not waited for.
+"""The end of a process in which a render was interrupted, or a picture not saved.
 
-Python ends when its last thread does, and a thread that compiles for the first time has up to a
-minute to go. LLVM cannot be told to stop, and Blender's memory cannot be taken from under it: so
-the process is ended as a whole, with the exit code that Blender would give.
+Blender ends with 0 where it has saved half a file; scripts have no say in it. And Python waits for
+its last thread: one that compiles for the first time has up to a minute to go. LLVM cannot be told
+to stop, and Blender's memory cannot be taken from under it. So the process is ended as a whole.
 """
 
 from __future__ import annotations
@@ -20,25 +20,33 @@ _POLL_SECONDS = 0.02
 _NAME = "iwis-leave"
 
 
-def end_without_waiting(temporary: str = "", code: int = 1) -> None:
-    """Once the main thread has ended, end the process though threads of IWIS still work.
+def end_without_waiting(temporary: str = "") -> None:
+    """Once the main thread has ended, end the process, with code 1, though threads still work.
 
-    temporary: a folder of the process that is to go with it; code: the exit code
+    temporary: a folder of the process that is to go with it
     """
-    if any(thread.name == _NAME for thread in threading.enumerate()) or not _working():
-        return
-    threading.Thread(target=_end, args=(temporary, code), name=_NAME).start()
+    if _working():
+        _begin(_working, temporary)
 
 
-def _end(temporary: str, code: int) -> None:
+def end_with_failure(temporary: str = "") -> None:
+    """End the process with code 1, whatever Blender makes of its job; when it ends by itself."""
+    _begin(lambda: True, temporary)
+
+
+def _begin(is_wanted, temporary: str) -> None:
+    threading.Thread(target=_end, args=(is_wanted, temporary), name=_NAME).start()
+
+
+def _end(is_wanted, temporary: str) -> None:
     main = threading.main_thread()
     while main.is_alive():
         time.sleep(_POLL_SECONDS)
-    if _working():
+    if is_wanted():
         if temporary:
             shutil.rmtree(temporary, ignore_errors=True)
         _flush()
-        os._exit(code)
+        os._exit(1)
 
 
 def _working() -> bool:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
 import shutil
 import sys
+from glob import escape
 from pathlib import Path
 
 import bpy
 
-_PNG_END = b"IEND\xaeB`\x82"
+from .whole_file import is_cut_short
+
 # Pictures of little content compress to this part of their size; less room than that is none.
 _LEAST_COMPRESSED = 1 / 16
 # Of Blender's command line: it renders and saves.
@@ -44,41 +44,28 @@ def check_room(scene, channels: int) -> None:
         )
 
 
-def check_written(path: Path) -> None:
-    """Raise OSError where a saved picture is cut short. Reads it back only when room ran out."""
-    if path.stat().st_size == 0:
-        raise OSError(f"{path}: nothing could be written: free some space, or choose another disk")
-    usage = shutil.disk_usage(path.parent)
-    if not usage.total or usage.free > path.stat().st_size:
+def check_saved(scene) -> None:
+    """Raise OSError where a Blender program has just saved a frame that is not whole.
+
+    To be called after Blender has saved, which calls what it could not write a success.
+    """
+    if bpy.app.module:
         return
-    problem = _damage_of(path)
-    if problem:
-        raise OSError(f"{path}: {problem}; the disk is full: free some space, or choose another")
+    path = Path(bpy.path.abspath(scene.render.frame_path(frame=scene.frame_current)))
+    check_written(path)
 
 
-def _damage_of(path: Path) -> str:
-    if path.suffix.lower() == ".png":
-        complete = path.read_bytes().endswith(_PNG_END)
-        return "" if complete else "the file is cut short"
-    from ..core.exr import read_exr
+def check_written(path: Path) -> list[Path]:
+    """The files of a picture, one a view where there are several; OSError where one is cut short.
 
-    try:
-        with _without_stderr():
-            read_exr(path)
-    except OSError:
-        return "the file is cut short"
-    return ""
-
-
-@contextlib.contextmanager
-def _without_stderr():
-    """Of the whole process: OpenEXR's C library prints a line for each damaged part of a file."""
-    sys.stderr.flush()
-    kept = os.dup(2)
-    try:
-        with open(os.devnull, "w") as nowhere:
-            os.dup2(nowhere.fileno(), 2)
-        yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
+    Stereo views put theirs beside the name, as out_L.exr.
+    """
+    views = path.parent.glob(f"{escape(path.stem)}*{path.suffix}")
+    written = [path] if path.exists() else list(views)
+    for file in written:
+        if is_cut_short(file):
+            raise OSError(
+                f"{file}: is cut short: the disk is full, or your share of it: free some space, or "
+                "choose another"
+            )
+    return written

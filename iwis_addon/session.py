@@ -58,6 +58,8 @@ class FinalRender:
 
     def export(self, depsgraph) -> None:
         """Copy all that the picture needs out of Blender; self.scene stays None after a cancel."""
+        if self.job.unsaved:
+            raise OSError(f"{self.job.unsaved}; the frames after it are not rendered")
         scene = depsgraph.scene_eval
         self.settings = render_settings(scene)
         self._denoising = _denoising(scene, depsgraph.view_layer_eval)

@@ -44,8 +44,8 @@ COMMANDS = {
     "new folder": (None, "new/folder/a.exr", (), 0, ()),
     "output is a folder": (None, "folder.exr", (), 1, ("folder.exr: is a folder",)),
     "output in a file": (None, "file/a.exr", (), 1, ("is a file, not a folder",)),
-    "no room, EXR": (None, "full.exr", (), 1, ("full.exr", "nothing could be written")),
-    "no room, PNG": (None, "full.png", (), 1, ("full.png", "nothing could be written")),
+    "no room, EXR": (None, "full.exr", (), 1, ("full.exr", "is cut short: the disk is full")),
+    "no room, PNG": (None, "full.png", (), 1, ("full.png", "is cut short: the disk is full")),
     "no room, figures": (None, "a.exr", ("--stats", "/dev/full"), 1, ("No space left",)),
     "cache folder": (
         None,

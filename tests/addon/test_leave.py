@@ -8,12 +8,14 @@ import pytest
 
 SCRIPT = """
 import sys, threading, time
-from iwis.iwis_addon.leave import end_without_waiting
+from iwis.iwis_addon.leave import end_with_failure, end_without_waiting
 
 name, told, seconds, temporary = sys.argv[1:]
 threading.Thread(target=time.sleep, args=(float(seconds),), name=name).start()
 if told == "told":
     end_without_waiting(temporary)
+if told == "failed":
+    end_with_failure(temporary)
 print("the last line")
 sys.exit(3)
 """
@@ -51,3 +53,10 @@ def test_threads_are_waited_for_otherwise(tmp_path, name, told):
     code, text, seconds = _run(name, told, 1.0, tmp_path)
     assert code == 3 and text == "the last line\n" and seconds > 1.0
     assert tmp_path.exists()
+
+
+@pytest.mark.slow
+def test_process_of_an_unsaved_picture_fails(tmp_path):
+    """Whatever works or not, when it ends by itself: all that comes until then is done."""
+    code, text, _seconds = _run("other", "failed", 0.0, tmp_path / "blender_abc")
+    assert code == 1 and text == "the last line\n"

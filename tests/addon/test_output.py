@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
-from iwis.iwis_addon import output
+from iwis.iwis_addon import job, output
 from iwis.iwis_addon.output import check_room, check_written
 from support.iwis_render import use_format
 
@@ -32,32 +32,45 @@ both = pytest.mark.parametrize(
 )
 
 
-@pytest.fixture
-def full_disk(monkeypatch):
-    """Every disk says that nothing is free."""
-    real = shutil.disk_usage
-    monkeypatch.setattr(shutil, "disk_usage", lambda path: real(path)._replace(free=0))
+@both
+def test_whole_file_is_fine(picture):
+    """And is named: others may ask how many there are."""
+    assert check_written(picture) == [picture]
 
 
 @both
-def test_whole_file_on_a_full_disk_is_fine(picture, full_disk):
-    """It just had room."""
-    check_written(picture)
-
-
-@both
-def test_cut_file_on_a_full_disk_is_named(picture, full_disk):
+def test_cut_file_is_named(picture):
     """What Blender calls a success is none."""
     picture.write_bytes(picture.read_bytes()[:-100])
-    with pytest.raises(OSError, match=rf"{picture.name}: .*disk is full"):
+    with pytest.raises(OSError, match=rf"{picture.name}: is cut short: the disk is full"):
         check_written(picture)
 
 
-@both
-def test_nothing_is_read_back_while_there_is_room(picture):
-    """A disk with room cuts nothing: no time is spent on it."""
-    picture.write_bytes(picture.read_bytes()[:-100])
-    check_written(picture)
+def test_views_beside_the_name_are_looked_at(tmp_path):
+    """One of two is empty; brackets in a name are letters."""
+    (tmp_path / "out[1]_L.png").write_bytes(b"IEND\xaeB`\x82")
+    (tmp_path / "out[1]_R.png").touch()
+    with pytest.raises(OSError, match=r"out\[1\]_R.png"):
+        check_written(tmp_path / "out[1].png")
+
+
+def test_cut_frame_ends_an_animation(cube_scene, tmp_path, monkeypatch):
+    """The next frame is not rendered, and the process will end with a failure."""
+    ended = []
+
+    def cut(scene):
+        if scene.frame_current == 2:
+            raise OSError("out_2: is cut short")
+
+    monkeypatch.setattr(job, "check_saved", cut)
+    monkeypatch.setattr(job, "end_with_failure", lambda temporary: ended.append(temporary))
+    cube_scene.frame_end = 4
+    cube_scene.render.filepath = str(tmp_path / "out_#")
+    use_format(cube_scene, "PNG")
+    with pytest.raises(RuntimeError, match=r"out_2: is cut short; the frames after it are not"):
+        bpy.ops.render.render(animation=True)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out_1.png", "out_2.png"]
+    assert ended == [bpy.app.tempdir]
 
 
 @pytest.mark.parametrize("words", [("-f", "1"), ("--render-anim",), ("-P", "script.py")])
