@@ -11,6 +11,8 @@ from .bake import BakeRender
 from .dependencies import MissingPackage
 from .export import ExportError
 from .job import ENGINE, RenderJob
+from .leave import end_without_waiting
+from .output import is_farm_job
 from .passes import register_passes
 from .preview import PreviewRender
 from .session import FinalRender
@@ -116,6 +118,8 @@ class IWISRenderEngine(bpy.types.RenderEngine):
             log.debug("IWIS: a preview failed: %s", text)
             return
         self.report({"ERROR"}, text)
+        if is_farm_job():  # a thread that lacks memory, too, may never end
+            end_without_waiting(bpy.app.tempdir)
         if not bpy.app.background:
             self.error_set(text)
 
@@ -127,7 +131,8 @@ def _message(failure: BaseException) -> str:
     if isinstance(failure, KeyboardInterrupt):
         return "IWIS: interrupted"
     if isinstance(failure, MemoryError):
-        return f"IWIS: not enough memory: {failure or 'render smaller or with fewer triangles'}"
+        why = str(failure) or "render smaller, or with fewer triangles"
+        return f"IWIS: not enough memory: {why}"
     log.error("IWIS: rendering failed", exc_info=failure)
     return f"IWIS: {type(failure).__name__}: {failure}"
 

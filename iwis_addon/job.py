@@ -23,7 +23,7 @@ from ..core.stats import RenderStats
 from .export import ExportCache
 from .leave import end_with_failure
 from .number_film import NumberFilm
-from .output import check_saved
+from .output import check_saved, has_pixels, is_farm_job
 
 log = logging.getLogger(__name__)
 
@@ -149,6 +149,9 @@ def _on_render_init(scene, _depsgraph=None):
     RenderJob.rendering = scene.render.engine
     if scene.render.engine == ENGINE:
         RenderJob.start(keep_caches=scene.render.use_persistent_data)
+        if is_farm_job() and not has_pixels(scene.render):
+            log.error("IWIS: the picture has no pixels: raise Resolution %, or enlarge the border")
+            end_with_failure(bpy.app.tempdir)
     elif RenderJob.current is not None:
         RenderJob.current.forget_caches()
 

@@ -17,6 +17,21 @@ _LEAST_COMPRESSED = 1 / 16
 _RENDERS = {"-f", "--render-frame", "-a", "--render-anim"}
 
 
+def is_farm_job() -> bool:
+    """Whether Blender renders, saves and ends by itself, as its command line says."""
+    return bpy.app.background and not bpy.app.module and bool(_RENDERS & set(sys.argv))
+
+
+def has_pixels(render) -> bool:
+    """Whether a picture has any: Blender says that it is too small, and ends with 0."""
+    share = render.resolution_percentage / 100
+    width, height = int(render.resolution_x * share), int(render.resolution_y * share)
+    if render.use_border:
+        width = int(render.border_max_x * width) - int(render.border_min_x * width)
+        height = int(render.border_max_y * height) - int(render.border_min_y * height)
+    return width >= 1 and height >= 1
+
+
 def check_room(scene, channels: int) -> None:
     """Raise OSError where a Blender program is about to save a picture that has no room.
 
@@ -24,7 +39,7 @@ def check_room(scene, channels: int) -> None:
     command line says so: what a script does with a picture it knows alone.
     channels: of all passes of the view layer
     """
-    if not bpy.app.background or bpy.app.module or not _RENDERS & set(sys.argv):
+    if not is_farm_job():
         return
     path = Path(bpy.path.abspath(scene.render.frame_path(frame=scene.frame_current)))
     folder = next((parent for parent in path.parents if parent.is_dir()), None)

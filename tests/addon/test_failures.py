@@ -82,6 +82,7 @@ CASES = {
     "export, unforeseen": (EXPORT.format(error="KeyError('oops')"), "KeyError"),
     "core": (CORE.format(error="OSError('cannot read tables')"), "cannot read tables"),
     "core, unforeseen": (CORE.format(error="ZeroDivisionError()"), "ZeroDivisionError"),
+    "core, no memory": (CORE.format(error="MemoryError()"), "not enough memory: render smaller"),
     "core, after two tiles": (LATE, "not enough memory: at the third tile"),
     "sink": (SINK, "tile refused"),
     "interrupted": (CORE.format(error="KeyboardInterrupt()"), "interrupted"),

@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from iwis.iwis_addon import job, output
-from iwis.iwis_addon.output import check_room, check_written
+from iwis.iwis_addon.output import check_room, check_written, has_pixels
 from support.iwis_render import use_format
 
 
@@ -23,6 +23,25 @@ def picture(scene, tmp_path, request):
     path = tmp_path / f"picture{suffix}"
     image.save_render(str(path), scene=scene)
     return path
+
+
+@pytest.mark.parametrize("border", [None, (0.2, 0.4), (0.2, 0.24), (0.49, 0.51), (0.0, 1.0)])
+@pytest.mark.parametrize("size", [(40, 40, 100), (8, 40, 30), (4, 4, 20), (4, 4, 25), (40, 4, 24)])
+def test_pictures_without_pixels_are_those_that_blender_refuses(cube_scene, size, border):
+    """By resolution, percentage and border."""
+    render = cube_scene.render
+    render.engine = "BLENDER_WORKBENCH"
+    render.resolution_x, render.resolution_y, render.resolution_percentage = size
+    if border is not None:
+        render.use_border = True
+        render.border_min_x, render.border_max_x = border
+    refused = False
+    cube_scene.camera = None  # the next thing that is wrong, where the size is right
+    try:
+        bpy.ops.render.render()
+    except RuntimeError as error:
+        refused = "Image too small" in str(error)
+    assert has_pixels(render) != refused
 
 
 _PROGRAM = SimpleNamespace(background=True, module=False)
