@@ -64,7 +64,7 @@ def check_saved(scene) -> None:
 
     To be called after Blender has saved, which calls what it could not write a success.
     """
-    if bpy.app.module:
+    if bpy.app.module or scene.render.is_movie_format:  # a movie is not whole before its end
         return
     path = Path(bpy.path.abspath(scene.render.frame_path(frame=scene.frame_current)))
     check_written(path)

@@ -40,6 +40,7 @@ from .copied import Copying
 from .displaced_mesh import displaced_geometry
 from .errors import ExportCancelled, ExportError
 from .lamp_pictures import with_pictures
+from .libraries import warn_of_missing_libraries
 from .light_groups import rows_of
 from .live import LiveExport
 from .material import MaterialExport, export_shaders
@@ -96,6 +97,7 @@ def export_scene(
     written_out: whether all triangles of all instances are to be in the mesh table
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
+    warn_of_missing_libraries(warnings)
     camera = camera or export_camera(depsgraph, warnings, region=region, own=own_camera)
     read, texels = geometry, None if cache is None else cache.texels
     shading = _Shading(depsgraph, live, texels, cancelled, warnings)

@@ -101,7 +101,8 @@ class _Export:
         n_warnings = len(self._warnings)
         output = world.node_tree.get_output_node("CYCLES")
         if output is None or follow(output.inputs["Surface"]).node is None:
-            warn(output, "nothing is linked to the Surface of the World Output: black")
+            if not world.original.is_missing:  # of a library, which is told of by itself
+                warn(output, "nothing is linked to the Surface of the World Output: black")
             return WorldExport(_uniform(_BLACK, world.name, _visible_to_camera(world)))
         if output.inputs["Volume"].is_linked:
             warn(output, "the world's volume is not supported: it is left out")

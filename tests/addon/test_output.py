@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from iwis.iwis_addon import job, output
-from iwis.iwis_addon.output import check_room, check_written, has_pixels
+from iwis.iwis_addon.output import check_room, check_saved, check_written, has_pixels
 from support.iwis_render import use_format
 
 
@@ -71,6 +71,22 @@ def test_views_beside_the_name_are_looked_at(tmp_path):
     (tmp_path / "out[1]_R.png").touch()
     with pytest.raises(OSError, match=r"out\[1\]_R.png"):
         check_written(tmp_path / "out[1].png")
+
+
+@pytest.mark.parametrize("movie", [False, True])
+def test_movies_are_not_asked(cube_scene, tmp_path, monkeypatch, movie):
+    """They are written frame by frame, and empty at first."""
+    use_format(cube_scene, "PNG")
+    cube_scene.render.filepath = str(tmp_path / "out_#.png")
+    (tmp_path / f"out_{cube_scene.frame_current}.png").touch()
+    render = SimpleNamespace(is_movie_format=movie, frame_path=cube_scene.render.frame_path)
+    scene = SimpleNamespace(render=render, frame_current=cube_scene.frame_current)
+    monkeypatch.setattr(output, "bpy", SimpleNamespace(app=_PROGRAM, path=bpy.path))
+    if movie:
+        check_saved(scene)
+    else:
+        with pytest.raises(OSError, match="is cut short"):
+            check_saved(scene)
 
 
 def test_cut_frame_ends_an_animation(cube_scene, tmp_path, monkeypatch):
