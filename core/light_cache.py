@@ -25,6 +25,7 @@ _FORMAT = 2  # raise it when light_tree.py builds other numbers
 _PREFIX = "world-"
 # A tree has up to 13 MB: some twenty worlds. The ones not used for longest go first.
 MOST_BYTES = 256 << 20
+_WRITTEN_SECONDS = 3600.0  # no file takes as long to be written
 _HASHED_AT_ONCE = 16 << 20  # bytes; 20 ms, then a cancel is seen
 
 
@@ -80,8 +81,19 @@ def _mark_as_used(path: Path) -> None:
         pass
 
 
+def _drop_parts(folder: Path) -> None:
+    """Remove what processes that were killed have begun to write; others' writing goes on."""
+    for path in folder.glob("*.part"):
+        try:
+            if time.time() - path.stat().st_mtime > _WRITTEN_SECONDS:
+                path.unlink()
+        except OSError:
+            continue
+
+
 def _drop_oldest(folder: Path, keep: str) -> None:
     """Remove trees until MOST_BYTES hold all; another process may do so at the same time."""
+    _drop_parts(folder)
     found = []
     for path in folder.glob(f"{_PREFIX}*.npz"):
         try:

@@ -1,6 +1,7 @@
 """core/light_cache.py: trees on disk come back, or are built again; the folder stays small."""
 
 import os
+import time
 
 import numpy as np
 import pytest
@@ -118,3 +119,13 @@ def test_the_least_recently_used_go_first(tmp_path, pyramid, monkeypatch):
     monkeypatch.setattr(light_cache, "MOST_BYTES", 10)
     save_light(tmp_path, "world-4.npz", pyramid)
     assert set(os.listdir(tmp_path)) == {"light-table.npz", "world-4.npz"}
+
+
+def test_what_killed_processes_left_is_removed(tmp_path, pyramid):
+    """Not what another one writes at this moment."""
+    old, young = tmp_path / "tmpold.part", tmp_path / "tmpyoung.part"
+    for path, hours in ((old, 2), (young, 0)):
+        path.touch()
+        os.utime(path, times=(time.time() - 3600 * hours,) * 2)
+    assert save_light(tmp_path, "world-1.npz", pyramid) is None
+    assert not old.exists() and young.exists()
