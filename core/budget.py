@@ -208,13 +208,11 @@ class BudgetRender:
         return begun + (part - begun) * watch.fraction()
 
     def _tell(self, fraction: float) -> None:
-        remaining = None
         if self._timed and fraction < 1.0:
-            remaining = self._pace.left()
-            fraction = max(1.0 - remaining / self._pace.limit, 0.001)
+            fraction = max(1.0 - self._pace.left() / self._pace.limit, 0.001)
         n, rays = len(self._tiles), int(self._rays())
         done = n if fraction == 1.0 else min(int(fraction * n), n - 1)
-        self._sink.progress(Progress("sampling", fraction, done, n, rays, remaining=remaining))
+        self._sink.progress(Progress("sampling", fraction, done, n, rays))
 
     def _write(self, looked: float) -> None:
         stats = self._stats

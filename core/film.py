@@ -55,10 +55,7 @@ class Tile(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far a render is: phase: 'tables', 'bvh', 'sampling' or 'denoising'; fraction of that.
-
-    remaining: seconds to go, where they are known (a time limit); else the fraction tells
-    """
+    """How far a render is: phase: 'tables', 'bvh', 'sampling' or 'denoising'; fraction of that."""
 
     phase: str
     fraction: float
@@ -66,7 +63,6 @@ class Progress:
     tiles_total: int = 0
     samples: int = 0  # shadow rays so far
     text: str = ""
-    remaining: float | None = None
 
 
 class TileSink(Protocol):

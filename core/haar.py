@@ -12,10 +12,6 @@ import numpy as np
 
 from ._jit import kernel
 
-H_SIGNS = (1.0, -1.0, 1.0, -1.0)
-V_SIGNS = (1.0, 1.0, -1.0, -1.0)
-D_SIGNS = (1.0, -1.0, -1.0, 1.0)
-
 
 @kernel
 def haar_forward(grid, scratch, coefficients):

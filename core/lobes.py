@@ -40,7 +40,7 @@ class Lobes(NamedTuple):
     normal: float32 (n, 3), shading normal, on the viewer's side of the geometry
     glossy_normal: float32 (n, 3), the same, turned so far that the mirrored wo leaves the geometry
     wo: float32 (n, 3); cos_o, seen: float32 (n,), glossy_normal . wo and 1 + Lambda(wo)
-    diffuse_share: float32 (n,), how often sample_brdf takes the Lambert lobe
+    diffuse_share: float32 (n,), how often sample_at takes the Lambert lobe
     glossy_color: float32 (n, 3), Cycles' Glossy Color; emission: float32 (n, 3), radiance
     smooth: float32 (n, 3), the surface's own normal, where the shading normal is another; bump:
         float32 (n,), tan^2 / 8 of the angle between them, at most 1; 0 = the same (bump_gain)

@@ -90,11 +90,6 @@ def planned_counts(demand: Demand, typical: float, most: int) -> np.ndarray:
     return counts
 
 
-def rays_of(demand: Demand, counts: np.ndarray) -> float:
-    """Shadow rays that count when the pixels have ``counts`` samples."""
-    return float((counts.astype(np.int64) * demand.share).sum()) / WHOLE_SHARE
-
-
 def typical_for_rays(demands: list[Demand], rays: float, most: int) -> float:
     """T whose plans take ``rays`` shadow rays in all, those taken so far counted.
 

@@ -110,7 +110,7 @@ def export_scene(
     scene = depsgraph.scene_eval
     own = geometry.materials, geometry.material_users, warnings, texels
     aovs = export_aovs(depsgraph, *own) if live is None else no_aovs(geometry.materials)
-    surface = _surface(geometry, materials, aovs, warnings)
+    surface = _surface(geometry, materials, aovs)
     own = materials, surface, camera, cache, cancelled, warnings
     geometry = displaced_geometry(geometry, *own)
     unlit = Scene(
@@ -222,13 +222,13 @@ def _export_materials(materials: list, users: list[list[str]], texels, warnings:
 
 
 def _surface(
-    geometry: MeshExport, materials: MaterialExport, aovs: AovExport, warnings: list[str]
+    geometry: MeshExport, materials: MaterialExport, aovs: AovExport
 ) -> SurfaceData | None:
     """What the programs of the scene's materials ask for; None where no material needs one."""
     if not any((*materials.programs, *materials.displacements)) and not aovs.aovs:
         return None
     requests = tuple(a | b for a, b in zip(materials.requests, aovs.requests, strict=True))
-    return surface_data(geometry.inventory, geometry.mesh, geometry.kept, requests, warnings)
+    return surface_data(geometry.inventory, geometry.mesh, geometry.kept, requests)
 
 
 def _shaders(

@@ -46,7 +46,7 @@ def occlusion_distance(depsgraph) -> float:
 def uv_maps(geometry: MeshExport) -> UvMaps:
     """The active map of every mesh."""
     requests = (frozenset({_UV}),) * len(geometry.materials)
-    found = surface_data(geometry.inventory, geometry.mesh, geometry.kept, requests, [])
+    found = surface_data(geometry.inventory, geometry.mesh, geometry.kept, requests)
     corners = found.tables.get(_UV)
     if corners is None:
         none = np.full_like(found.row, -1)

@@ -30,7 +30,6 @@ def surface_data(
     mesh: TriangleMesh,
     kept: tuple[np.ndarray, np.ndarray] | None,
     requests: tuple[frozenset[str], ...],
-    warnings: list[str],
 ) -> SurfaceData:
     """The tables of all that the materials of the scene ask for.
 
