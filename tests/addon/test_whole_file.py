@@ -1,5 +1,7 @@
 """iwis_addon/whole_file.py: each file that Blender writes is whole, and each part of it is not."""
 
+import os
+
 import bpy
 import numpy as np
 import pytest
@@ -61,3 +63,10 @@ def test_other_files_are_taken_as_they_are(tmp_path):
     assert not is_cut_short(path)
     path.write_bytes(b"")
     assert is_cut_short(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has none in folders")
+def test_pipes_are_not_read(tmp_path):
+    """Who opens one waits for what is written next."""
+    os.mkfifo(tmp_path / "out.png")
+    assert not is_cut_short(tmp_path / "out.png")
