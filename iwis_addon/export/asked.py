@@ -13,7 +13,7 @@ from .world import world_of
 
 # Cycles' own, of a scene without a world.
 _OCCLUSION_DISTANCE = 10.0
-_MIST = Mist(5.0, 25.0, 2.0)
+_MIST = Mist(0.0, 100.0, 1.0)
 _POWERS = {"QUADRATIC": 2.0, "LINEAR": 1.0, "INVERSE_QUADRATIC": 0.5}
 _UV = "uv:"  # the active map
 # What Cycles calls what has no material.

@@ -237,6 +237,8 @@ def test_bits_are_blenders():
     """-1 has all parts; others as RE_BakePassFilter has them."""
     assert parts_of(-1) == {"EMIT", "DIFFUSE", "GLOSSY", "DIRECT", "COLOR"}
     assert parts_of(324) == {"DIFFUSE", "DIRECT", "COLOR"}
+    each = {1 << k: parts_of(1 << k) for k in range(12) if parts_of(1 << k)}
+    assert each == {2: {"EMIT"}, 4: {"DIFFUSE"}, 8: {"GLOSSY"}, 64: {"DIRECT"}, 256: {"COLOR"}}
 
 
 def test_the_panel_shows_what_a_kind_asks_for(ball_scene):
