@@ -13,8 +13,11 @@ from .values import clipped, column, divided, dot, length, mixed, normalized, pa
 _EPSILON = np.float32(1.1920929e-7)
 
 
-def _power(a, b):
+def _power(a, b, before):
+    """before: as Blender 4.5, where 0 to a negative power is infinite; since then it is 0"""
     good = (a >= 0.0) | (b == np.floor(b))
+    if not before:
+        good &= (a != 0.0) | (b >= 0.0)
     return np.where(good, np.power(np.where(good, a, 1.0), b), 0.0)
 
 
@@ -58,7 +61,6 @@ _MATH = {
     "MULTIPLY": lambda a, b, c: a * b,
     "DIVIDE": lambda a, b, c: divided(a, b),
     "MULTIPLY_ADD": lambda a, b, c: a * b + c,
-    "POWER": lambda a, b, c: _power(a, b),
     "LOGARITHM": lambda a, b, c: _logarithm(a, b),
     "SQRT": lambda a, b, c: np.sqrt(np.maximum(a, 0.0)),
     "INVERSE_SQRT": lambda a, b, c: np.where(
@@ -101,8 +103,13 @@ _NO_NUMBER = np.float32(0.0)
 
 
 def math(context, settings, inputs):
+    """settings: before, as Blender 4.5"""
     a, b, c = (inputs.get(k, _NO_NUMBER) for k in ("Value", "Value_001", "Value_002"))
-    value = _MATH[settings["operation"]](a, b, c)
+    operation = settings["operation"]
+    if operation == "POWER":
+        value = _power(a, b, settings["before"])
+    else:
+        value = _MATH[operation](a, b, c)
     return {"Value": clipped(value) if settings["use_clamp"] else value}
 
 
@@ -138,7 +145,6 @@ _VECTOR_MATH = {
     "SCALE": lambda a, b, c, s: a * column(s),
     "NORMALIZE": lambda a, b, c, s: normalized(a),
     "ABSOLUTE": lambda a, b, c, s: np.abs(a),
-    "POWER": lambda a, b, c, s: _power(a, b),
     "SIGN": lambda a, b, c, s: np.sign(a),
     "MINIMUM": lambda a, b, c, s: np.minimum(a, b),
     "MAXIMUM": lambda a, b, c, s: np.maximum(a, b),
@@ -146,7 +152,6 @@ _VECTOR_MATH = {
     "FLOOR": lambda a, b, c, s: np.floor(a),
     "CEIL": lambda a, b, c, s: np.ceil(a),
     "FRACTION": lambda a, b, c, s: a - np.floor(a),
-    "MODULO": lambda a, b, c, s: _modulo(a, b),
     "WRAP": lambda a, b, c, s: _wrap(a, b, c),
     "SNAP": lambda a, b, c, s: np.floor(divided(a, b)) * b,
     "SINE": lambda a, b, c, s: np.sin(a),
@@ -161,12 +166,24 @@ _NUMBER_OF_VECTORS = {
 _NO_VECTOR = np.zeros(3, np.float32)
 
 
+def _modulo_of_vectors(a, b, before):
+    """before: as Blender 4.5; since then by a rounded quotient, so 1 modulo .1 is 0, not .1"""
+    return _modulo(a, b) if before else np.where(b != 0.0, a - np.trunc(divided(a, b)) * b, 0.0)
+
+
+_OF_VERSIONS = {"POWER": _power, "MODULO": _modulo_of_vectors}
+
+
 def vector_math(context, settings, inputs):
+    """settings: before, as Blender 4.5"""
     a, b, c = (inputs.get(k, _NO_VECTOR) for k in ("Vector", "Vector_001", "Vector_002"))
     operation = settings["operation"]
     if operation in _NUMBER_OF_VECTORS:
         return {"Value": _NUMBER_OF_VECTORS[operation](a, b), "Vector": _NO_VECTOR}
-    value = _VECTOR_MATH[operation](a, b, c, inputs.get("Scale", np.float32(1.0)))
+    if operation in _OF_VERSIONS:
+        value = _OF_VERSIONS[operation](a, b, settings["before"])
+    else:
+        value = _VECTOR_MATH[operation](a, b, c, inputs.get("Scale", np.float32(1.0)))
     return {"Vector": value, "Value": _NO_NUMBER}
 
 
@@ -188,7 +205,7 @@ def _smootherstep(t):
 def _mapped(kind, value, low, high, to_low, to_high, steps):
     t = divided(value - low, high - low)
     if kind == "STEPPED":
-        t = divided(np.floor(t * (steps + 1.0)), steps)
+        t = np.where(steps > 0.0, divided(np.floor(t * (steps + 1.0)), steps), 0.0)
     elif kind == "SMOOTHSTEP":
         t = _smoothstep(clipped(t))
     elif kind == "SMOOTHERSTEP":
@@ -197,6 +214,7 @@ def _mapped(kind, value, low, high, to_low, to_high, steps):
 
 
 def map_range(context, settings, inputs):
+    """As Cycles: of numbers, a range without width gives 0, and smooth steps are clamped too."""
     vectors = settings["data_type"] == "FLOAT_VECTOR"
     names = ("Vector", "From_Min_FLOAT3", "From_Max_FLOAT3", "To_Min_FLOAT3", "To_Max_FLOAT3")
     steps = "Steps_FLOAT3"
@@ -205,11 +223,11 @@ def map_range(context, settings, inputs):
     value, low, high, to_low, to_high = (inputs[name] for name in names)
     kind = settings["interpolation_type"]
     result = _mapped(kind, value, low, high, to_low, to_high, inputs.get(steps))
-    if kind in ("LINEAR", "STEPPED") and settings["clamp"]:
+    if not vectors:
+        result = np.where(low == high, 0.0, result)
+    if settings["clamp"] and (kind in ("LINEAR", "STEPPED") or not vectors):
         least, most = np.minimum(to_low, to_high), np.maximum(to_low, to_high)
         result = np.minimum(np.maximum(result, least), most)
-    elif not vectors:
-        result = np.where(low == high, 0.0, result)
     return {"Vector" if vectors else "Result": result}
 
 

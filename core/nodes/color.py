@@ -12,16 +12,23 @@ from .arithmetic import mix_numbers
 from .values import LUMINANCE, clipped, column, divided, mixed, parts, vector
 
 
-def rgb_to_hsv(color):
-    high, low = color.max(-1), color.min(-1)
-    span = high - low
+def _hue(color, high, span):
+    """The hue of a color whose largest channel is high, and the least one less by span."""
     r, g, b = parts(color)
     safe = np.where(span == 0.0, 1.0, span)
     hue = np.where(
         r == high, (g - b) / safe, np.where(g == high, 2.0 + (b - r) / safe, 4.0 + (r - g) / safe)
     )
     hue = np.where(span == 0.0, 0.0, hue / 6.0)
-    return vector(np.where(hue < 0.0, hue + 1.0, hue), divided(span, high), high)
+    return np.where(hue < 0.0, hue + 1.0, hue)
+
+
+def rgb_to_hsv(color):
+    """As Cycles: where the largest channel is 0 there is no hue, whatever the others are."""
+    high = color.max(-1)
+    span = high - color.min(-1)
+    hue = np.where(high == 0.0, 0.0, _hue(color, high, span))
+    return vector(hue, divided(span, high), high)
 
 
 def hsv_to_rgb(hsv):
@@ -42,7 +49,8 @@ def rgb_to_hsl(color):
     lightness = np.minimum((high + low) / 2.0, 1.0)
     span = high - low
     below = np.where(lightness > 0.5, 2.0 - high - low, high + low)
-    return vector(rgb_to_hsv(color)[..., 0], divided(span, below), lightness)
+    below = np.where(span == 0.0, np.float32(1.0), below)  # else infinite where it is 0, as there
+    return vector(_hue(color, high, span), span / below, lightness)
 
 
 def hsl_to_rgb(hsl):
@@ -92,7 +100,7 @@ def _with_parts(t, a, b, chosen):
     return hsv_to_rgb(vector(hsv[..., 0], hsv[..., 1], v))
 
 
-def _hue(t, a, b):
+def _blend_hue(t, a, b):
     hsv, other = rgb_to_hsv(a), rgb_to_hsv(b)
     changed = hsv_to_rgb(vector(other[..., 0], hsv[..., 1], hsv[..., 2]))
     return np.where(other[..., 1:2] != 0.0, mixed(a, changed, t), a)
@@ -118,7 +126,7 @@ BLEND = {
     "OVERLAY": _overlay,
     "DODGE": _dodge,
     "BURN": _burn,
-    "HUE": _hue,
+    "HUE": _blend_hue,
     "SATURATION": lambda t, a, b: _with_parts(t, a, b, 1),
     "VALUE": lambda t, a, b: _with_parts(t, a, b, 2),
     "COLOR": _color,

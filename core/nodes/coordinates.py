@@ -130,9 +130,14 @@ def vector_rotate(context, settings, inputs):
 
 
 def vector_transform(context, settings, inputs):
-    """settings: vector_type, convert_from, convert_to; world to camera is a matrix of the camera"""
+    """settings: vector_type, convert_from, convert_to; world to camera is a matrix of the camera
+
+    What stays where it is stays as it is, normals of any length too.
+    """
     kind, v = settings["vector_type"], inputs["Vector"]
     source, target = settings["convert_from"], settings["convert_to"]
+    if source == target:
+        return {"Vector": v}
     to_world, from_world = _space_matrix(context, source), _space_matrix(context, target)
     matrix = np.linalg.inv(from_world) @ to_world
     if kind == "NORMAL":

@@ -24,6 +24,8 @@ _TYPES = {
     "RGBA": "COLOR",
 }
 _ZERO = np.float32(0.0)
+# Nodes that give something else in Blender 4.5.
+_OF_VERSIONS = "ShaderNodeTexVoronoi", "ShaderNodeMath", "ShaderNodeVectorMath"
 # Nodes that tell of strands, points or a mesh's shape -> output -> the values that it needs
 # (element_values.py), where that is not the one of its name.
 _ELEMENTS = {
@@ -214,7 +216,7 @@ class ProgramBuilder:
         if kind not in SETTINGS:
             return None
         settings = {name: getattr(node, name) for name in SETTINGS[kind] if hasattr(node, name)}
-        if kind == "ShaderNodeTexVoronoi":  # as Cycles of this version
+        if kind in _OF_VERSIONS:  # as Cycles of this version
             settings["before"] = bpy.app.version < (5, 0)
         if kind == "ShaderNodeTexMagic":
             settings["scaled_first"] = bpy.app.version >= (5, 0)

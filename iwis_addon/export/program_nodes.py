@@ -80,7 +80,7 @@ PURE = {
     "ShaderNodeMapping",
     "ShaderNodeVectorRotate",
 }
-_TABLE = 256  # steps of a ramp or curve, as in Cycles
+_TABLE = 257  # values of a ramp or curve, as in Cycles: every 1/256
 
 
 def _texture_coordinate(builder, node, groups):

@@ -9,6 +9,7 @@ from . import (
     displacement_cases,
     element_cases,
     emitter_cases,
+    extreme_cases,
     falloff_cases,
     flag_cases,
     hair_cases,
@@ -65,5 +66,6 @@ _FAMILIES = (
     wireframe_cases,
     occlusion_cases,
     bevel_cases,
+    extreme_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

@@ -5,12 +5,12 @@ import bpy
 from .cases import shown
 
 
-def _choices(node, name):
+def choices(node, name):
     """All that this Blender has for a property of a node."""
     return [item.identifier for item in getattr(bpy.types, node).bl_rna.properties[name].enum_items]
 
 
-_BLENDS = (
+BLENDS = (
     "MIX DARKEN MULTIPLY BURN LIGHTEN SCREEN DODGE ADD OVERLAY SOFT_LIGHT LINEAR_LIGHT DIFFERENCE "
     "EXCLUSION SUBTRACT DIVIDE HUE SATURATION COLOR VALUE"
 ).split()
@@ -45,11 +45,11 @@ def _blend(blend):
     return make
 
 
-for _operation in _choices("ShaderNodeMath", "operation"):
+for _operation in choices("ShaderNodeMath", "operation"):
     shown(f"Math {_operation}", _math(_operation))
-for _operation in _choices("ShaderNodeVectorMath", "operation"):
+for _operation in choices("ShaderNodeVectorMath", "operation"):
     shown(f"Vector Math {_operation}", _vector_math(_operation))
-for _operation in _BLENDS:
+for _operation in BLENDS:
     shown(f"Mix colour {_operation}", _blend(_operation))
 for _kind in ("LINEAR", "STEPPED", "SMOOTHSTEP", "SMOOTHERSTEP"):
     for _clamp in (False, True):
@@ -131,6 +131,26 @@ for _kind in ("LINEAR", "EASE", "CARDINAL", "B_SPLINE", "CONSTANT"):
 shown("Color Ramp HSV", _ramp("", "HSV"))
 
 
+def _thin_ramp(interpolation):
+    """A ramp whose colors are closer together than the values that Cycles keeps of it."""
+
+    def make(tree):
+        node = tree.node("ShaderNodeValToRGB")
+        ramp = node.color_ramp
+        ramp.interpolation = interpolation
+        for place in (0.1, 0.1443, 0.4995, 0.5, 0.5005, 0.873):
+            shade = 1.0 - place if len(ramp.elements) % 2 else 0.3 * place
+            ramp.elements.new(place).color = (shade, 0.5 * shade, 1.0 - shade, 1.0)
+        tree.link(tree.axis("Z", 0.46, 0.54), node.inputs[0])
+        return node.outputs[0]
+
+    return make
+
+
+for _kind in ("LINEAR", "CONSTANT"):
+    shown(f"Color Ramp {_kind}, thin lines", _thin_ramp(_kind))
+
+
 def _curve(kind):
     def make(tree):
         node = tree.node(kind)
@@ -147,6 +167,32 @@ def _curve(kind):
     return make
 
 
+def _bent_curve(kind, extend):
+    """A curve that turns sharply, and goes on beyond its ends."""
+
+    def make(tree):
+        node = tree.node(kind)
+        node.mapping.extend, node.mapping.use_clip = extend, False
+        for number, curve in enumerate(node.mapping.curves):
+            curve.points[0].location = (0.0, 0.3)
+            curve.points[-1].location = (1.0, 0.2 * number)
+            for place, height in ((0.02, 0.9), (0.331, 0.2), (0.347, 0.8), (0.97, 0.6)):
+                curve.points.new(place, height - 0.1 * number).handle_type = "VECTOR"
+        node.mapping.update()
+        number = kind == "ShaderNodeFloatCurve"
+        value = tree.axis("X", -0.3, 1.3) if number else tree.color(-0.3, 1.3)
+        tree.link(value, node.inputs[1])
+        return node.outputs[0]
+
+    return make
+
+
+for _kind in ("RGB", "Float", "Vector"):
+    for _extend in ("HORIZONTAL", "EXTRAPOLATED"):
+        shown(
+            f"{_kind} Curve, sharp, {_extend.lower()}",
+            _bent_curve(f"ShaderNode{_kind}Curve", _extend),
+        )
 shown("RGB Curves", _curve("ShaderNodeRGBCurve"))
 shown("Float Curve", _curve("ShaderNodeFloatCurve"))
 shown("Vector Curves", _curve("ShaderNodeVectorCurve"))
