@@ -21,14 +21,15 @@ def normal_map(context, settings, inputs):
     color = 2.0 * as_vector(inputs["Color"], n) - 1.0
     if settings["downward"]:
         color = color * np.float32([1.0, -1.0, 1.0])
-    strength = np.maximum(as_number(inputs["Strength"], n), 0.0)
+    given = as_number(inputs["Strength"], n)
+    strength = np.maximum(given, 0.0)
     back = context.backfacing[:, None] > 0.0
     if settings["space"] == "TANGENT":
         table = context.attribute(settings["table"])
         if table is None:
             return {"Normal": context.normal}
         moved = _moved_tangents(context, table) if settings["follows"] else table
-        turned = _about_tangents(context, context.object_normal, moved, color, strength)
+        turned = _about_tangents(context, context.object_normal, moved, color, given)
         front = np.where(back, -context.normal, context.normal)
         if settings["original"] and context.rest is not None:
             before = context.at_rest().object_normal
@@ -64,11 +65,11 @@ def _moved_tangents(context, table):
 
 def _about_tangents(context, own, table, color, strength):
     """The map's normal, of the mesh's front. Strength flattens the map itself, or makes it steeper,
-    before it is made unit: in the other spaces it mixes two unit normals."""
+    before it is made unit: in the other spaces it mixes two unit normals. Below 0 it is turned."""
     tangent = table[:, :3]
     across = column(np.sign(table[:, 3])) * np.cross(own, tangent)
     x, y, z = parts(color)
-    z = 1.0 + (z - 1.0) * np.minimum(strength, 1.0)
+    z = 1.0 + (z - 1.0) * np.clip(strength, 0.0, 1.0)
     turned = column(x * strength) * tangent + column(y * strength) * across + column(z) * own
     return context.normal_to_world(turned)
 

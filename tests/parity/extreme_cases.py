@@ -132,3 +132,11 @@ for _kind in ("POINT", "VECTOR", "NORMAL"):
         convert_from="OBJECT",
         convert_to="OBJECT",
     )
+for _space in ("TANGENT", "OBJECT", "WORLD"):
+    _asked(
+        f"Normal Map {_space}",
+        "ShaderNodeNormalMap",
+        ("Strength",),
+        ("Color",),
+        space=_space,
+    )
