@@ -60,22 +60,37 @@ def texels_of(image) -> Texels:
     color, alpha = rgba[..., :3], rgba[..., 3:]
     encoded = not image.is_float
     space = image.colorspace_settings
-    if _has_clear_parts(image, alpha, 1.0):
+    srgb = space.name == "sRGB" and working_space() == _WORKING_SPACE_OF_4
+    plain = srgb or space.is_data or space.name in (working_space(), "scene_linear")
+    share = None if plain else _share_of_color(image, alpha)
+    clear = _has_clear_parts(image, alpha, 1.0)
+    if clear or share is not None:
         if not _is_builtin(image) and os.path.exists(_path_of(image)):
             # Blender has multiplied by alpha, or divided: begin with the file's own numbers.
             color, encoded = _load(_path_of(image), "Non-Color", "CHANNEL_PACKED", _color), True
-        if _multiplied_by_alpha(image, _is_builtin(image)):
-            color = _multiplied(color, alpha, image.is_float)
+        if clear and _multiplied_by_alpha(image, _is_builtin(image)):
+            color = _multiplied(color, alpha, image.is_float or not plain)
     whole = color.base is not None and color.base is rgba.base
     color = _without_alpha(rgba) if whole else np.ascontiguousarray(color, np.float32)
-    srgb = space.name == "sRGB" and working_space() == _WORKING_SPACE_OF_4
     if not encoded:
         return Texels(color, srgb and not _is_builtin(image))
-    if space.is_data or space.name in (working_space(), "scene_linear"):
-        return Texels(color, False)
     if srgb:
         return Texels(_srgb_decode(color) if image.is_float else _srgb_decode_bytes(color), True)
-    return Texels(_convert(color, space.name), False)
+    if plain:
+        return Texels(color, False)
+    if share is None:
+        return Texels(_convert(color, space.name), False)
+    return Texels(_convert(color / share, space.name) * share, False)
+
+
+def _share_of_color(image, alpha) -> np.ndarray | None:
+    """By what Cycles divides texels before it converts them from a space like Display P3, and by
+    what it multiplies them then, float32 (h, w, 1): alpha where it is between 0 and 1, however
+    it is associated; packed channels too before Blender 5.1. None: by nothing."""
+    packed = image.alpha_mode == "CHANNEL_PACKED" and bpy.app.version >= (5, 1)
+    if image.alpha_mode == "NONE" or packed or alpha.min() >= 1.0:
+        return None
+    return np.where((alpha > 0.0) & (alpha < 1.0), alpha, np.float32(1.0))
 
 
 def _without_alpha(rgba: np.ndarray) -> np.ndarray:
@@ -157,10 +172,10 @@ def _multiplied_by_alpha(image, builtin) -> bool:
     return not image.is_float or (straight and not builtin)
 
 
-def _multiplied(color, alpha, is_float):
-    if is_float:
+def _multiplied(color, alpha, exact):
+    if exact:
         return color * alpha
-    # Cycles multiplies bytes and drops the fraction.
+    # Cycles multiplies bytes and drops the fraction; what it converts is of 16 bits before.
     return np.floor(np.rint(color * 255.0) * np.rint(alpha * 255.0) / 255.0) / 255.0
 
 

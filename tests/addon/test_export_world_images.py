@@ -79,7 +79,7 @@ def test_colour_spaces(scene, tree, texels, tmp_path, space, slope, is_float):
 
 
 @pytest.mark.parametrize("alpha_mode", ["STRAIGHT", "PREMUL", "CHANNEL_PACKED", "NONE"])
-@pytest.mark.parametrize("space", ["sRGB", "Linear Rec.709", "Non-Color"])
+@pytest.mark.parametrize("space", ["sRGB", "Linear Rec.709", "Non-Color", "Display P3"])
 @pytest.mark.parametrize("packed", [False, True], ids=["file", "packed"])
 @pytest.mark.parametrize(
     ("name", "file_format", "depth"),
@@ -104,10 +104,11 @@ def test_alpha(
     textured_world(tree, image)
     # Multiplied bytes are whole numbers again, in Cycles' file reader rounded another way: 1/64 of
     # the smallest, .25 (sRGB: of a slope of 2.4).
-    slope = 2.4 if space == "sRGB" else 1.0
-    assert_as_cycles(
-        scene, tmp_path, slope * 2.0 * RELATIVE, slope * 2**-6 if depth == "8" else 0.0
-    )
+    slope = 2.4 if space in ("sRGB", "Display P3") else 1.0
+    quantised = slope * 2**-6 if depth == "8" else 0.0
+    if space == "Display P3" and depth != "32":
+        quantised += (1.0 + slope) * 2**-11  # converted as half floats, as above
+    assert_as_cycles(scene, tmp_path, slope * 2.0 * RELATIVE, quantised)
 
 
 def test_image_sequence_frame(scene, tree, texels, tmp_path):

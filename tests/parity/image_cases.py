@@ -5,6 +5,7 @@ import tempfile
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 from .cases import CASES, Case, shown
 from .scene import picture
@@ -23,6 +24,11 @@ def _image(
 ):
     def make(tree):
         image = picture(alpha=alpha, float_buffer=float_buffer)
+        if not properties.get("holes", True):  # Blender 4.5 divides packed channels by 0
+            rgba = np.array(image.pixels).reshape(-1, 4)
+            rgba[:, 3] = np.maximum(rgba[:, 3], 0.2)
+            image.pixels.foreach_set(np.float32(rgba).ravel())
+            image.pack()
         image.colorspace_settings.name = space
         for name in [n for n in properties if n == "alpha_mode"]:
             image.alpha_mode = properties[name]
@@ -54,6 +60,11 @@ for _space in ("Non-Color", "Linear Rec.709"):
 for _mode in ("STRAIGHT", "CHANNEL_PACKED", "NONE", "PREMUL"):
     shown(f"Image Texture colour, alpha {_mode}", _image(alpha=True, alpha_mode=_mode))
     shown(f"Image Texture alpha {_mode}", _image(alpha=True, alpha_mode=_mode, output=1))
+for _mode in ("STRAIGHT", "PREMUL", "CHANNEL_PACKED"):
+    shown(
+        f"Image Texture colour in Display P3, alpha {_mode}",
+        _image(alpha=True, alpha_mode=_mode, space="Display P3", holes=False),
+    )
 shown("Image Texture float", _image(float_buffer=True, space="Linear Rec.709"))
 shown("Image Texture, no coordinates", lambda t: t.made("ShaderNodeTexImage", 0, image=picture()))
 shown("Image Texture, no image", lambda t: t.made("ShaderNodeTexImage", 0), warns="no image")
