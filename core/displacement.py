@@ -2,10 +2,10 @@
 Only and Displacement and Bump.
 
 A vertex goes where the first of its triangles with such a material sends it, evaluated at that
-triangle's corner and with the normal of the vertex, of flat faces too; all instances of a mesh have
-the shape of the first. Normals follow the vertices,
-or stay where a bump turns them besides. Normals of face corners (sharp edges, custom ones) turn by
-as much as those of their vertices do.
+triangle's corner and with the normal of the vertex, of flat faces too (where corners have normals
+of their own, with the corner's); all instances of a mesh have the shape of the first. Normals
+follow the vertices, or stay where a bump turns them besides. Normals of face corners (sharp edges,
+custom ones) turn by as much as those of their vertices do.
 """
 
 from __future__ import annotations
@@ -68,6 +68,40 @@ class Asked(NamedTuple):
     material_pass_index: np.ndarray
 
 
+def torn(mesh: TriangleMesh, kinds: Movable) -> tuple[TriangleMesh, Movable]:
+    """Both with vertices of their own on either side of sharp edges, where normals of corners
+    differ: Cycles before Blender 5.2 cuts such meshes there, and their sides come apart."""
+    own = np.flatnonzero(kinds.cornered & kinds.movable)
+    if not len(own):
+        return mesh, kinds
+    at, normals = mesh.triangles[own].ravel(), mesh.corner_normals[own].reshape(-1, 3)
+    _, first, which = np.unique(_hashes(at, normals), return_index=True, return_inverse=True)
+    vertex, n = at[first], len(mesh.vertices)
+    _, keep = np.unique(vertex, return_index=True)
+    number, extra = vertex.copy(), np.ones(len(vertex), np.bool_)
+    extra[keep] = False
+    number[extra] = np.arange(n, n + extra.sum(), dtype=np.int32)
+    triangles = mesh.triangles.copy()
+    triangles[own] = number[which].reshape(-1, 3)
+    vertex_normals = np.concatenate([kinds.vertex_normals, normals[first][extra]])
+    vertex_normals[number] = normalized(normals[first])
+    cut = {"vertices": np.concatenate([mesh.vertices, mesh.vertices[vertex[extra]]])}
+    kinds = kinds._replace(cornered=np.zeros_like(kinds.cornered), vertex_normals=vertex_normals)
+    return dataclasses.replace(mesh, triangles=triangles, **cut), kinds
+
+
+def _hashes(vertex, normal) -> np.ndarray:
+    """uint64 (n,), the same for the same vertices with normals that are the same to 1e-4."""
+    parts = (vertex, *np.rint(normal * np.float32(1e4)).T)
+    primes = 0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9, 0xD6E8FEB86659FD93
+    columns = [a.astype(np.int64).view(np.uint64) for a in parts]
+    mixed = np.zeros(len(vertex), np.uint64)
+    for column, prime in zip(columns, primes, strict=True):
+        mixed = (mixed ^ column) * np.uint64(prime)  # wraps
+        mixed ^= mixed >> np.uint64(29)
+    return mixed
+
+
 def displaced(
     mesh: TriangleMesh,
     displacements: tuple[Displacement | None, ...],
@@ -120,7 +154,10 @@ def _moved_vertices(mesh, displacements, kinds: Movable, faces, asked: Asked, ch
         check()
         some = slice(begin, begin + _CHUNK)
         own, before = vertex[some], mesh.vertices[vertex[some]]
-        seen = face[some], corner[some], kinds.vertex_normals[own]
+        at = face[some], corner[some]
+        corners = kinds.cornered[at[0]][:, None]
+        normals = np.where(corners, normalized(mesh.corner_normals[at]), kinds.vertex_normals[own])
+        seen = *at, normals
         places = before + _offsets(mesh, displacements, asked, *seen)
         near = (np.abs(places) < _FARTHEST).all(axis=1, keepdims=True)
         vertices[own] = np.where(near, places, before)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from ...core.displacement import Asked, Copied, Displaced, Movable, displaced
+from ...core.displacement import Asked, Copied, Displaced, Movable, displaced, torn
 from ...core.program import Displacement, SurfaceData
 from ...core.scene import Camera, TriangleMesh
 from .errors import ExportCancelled
@@ -97,8 +97,10 @@ def _displaced(geometry, rows, cache, displacements, asked: Asked, check) -> Dis
     known = kept is not None and kept.source is source
     if known and kept.displacements is displacements and _same(kept.values, values):
         return kept.found
-    own = displacements, _movable(geometry, rows), asked, bpy.app.version >= (5, 2)
-    found = displaced(source, *own, check)
+    newer, mesh, kinds = bpy.app.version >= (5, 2), source, _movable(geometry, rows)
+    if not newer:
+        mesh, kinds = torn(source, kinds)
+    found = displaced(mesh, displacements, kinds, asked, newer, check)
     if known and None not in (found, kept.found) and _same(_shape(kept.found), _shape(found)):
         found = kept.found
     if cache is not None:

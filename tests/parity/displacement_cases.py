@@ -125,6 +125,27 @@ def _sharp(scene):
     edges.foreach_set("use_edge_sharp", np.arange(len(edges)) % 5 == 0)
 
 
+def _hard(scene):
+    """A smooth cube all of whose edges are sharp."""
+    cube = bpy.data.objects["Cube"].data
+    cube.shade_smooth()
+    cube.edges.foreach_set("use_edge_sharp", np.ones(len(cube.edges), np.bool_))
+
+
+def _own_normals(scene):
+    """Bands of the sphere lean aside, and every other one has a material that moves nothing."""
+    _half_plain(scene)
+    mesh = _sphere().data
+    leaning = np.float32([[0.4, 0.0, 0.3], [-0.2, 0.4, 0.0]])
+    band = np.repeat(
+        np.arange(len(mesh.polygons)) // 256 % 2, [p.loop_total for p in mesh.polygons]
+    )
+    vertices = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", vertices)
+    normals = np.array([v.normal for v in mesh.vertices])[vertices] + leaning[band]
+    mesh.normals_split_custom_set(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+
+
 def _half_plain(scene):
     """Half of the sphere has a material that moves nothing."""
     plain = bpy.data.materials.new("Plain")
@@ -159,6 +180,10 @@ _case(" of vertices and bump, flat", method="BOTH", more=_flat)
 _case(" of vertices, half flat", more=_half_flat)
 _case(" of vertices, sharp edges", more=_sharp)
 _case(" of vertices and bump, sharp edges", method="BOTH", more=_sharp)
+_case(" of vertices, hard edges", more=_hard)
+_case(" of vertices and bump, hard edges", method="BOTH", more=_hard)
+_case(" of vertices, custom normals", more=_own_normals)
+_case(" of vertices and bump, custom normals", method="BOTH", more=_own_normals)
 _case(" of vertices, of half a mesh", more=_half_plain)
 _case(" of vertices, among plain faces", more=_among_plain)
 _case(" of vertices, of copies", more=_instanced)

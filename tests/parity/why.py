@@ -26,7 +26,11 @@ _STRETCHED = (
     "on faces that are stretched far, at the edges of the cube; others agree: not known why"
 )
 
+_HARD = "at the edges, a pixel wide, where hard sides meet or come apart; faces agree"
+
 WHY = {
+    "Displacement of vertices, hard edges, normals": _HARD,
+    "Displacement of vertices and bump, hard edges, normals": _HARD,
     "Displacement of vertices and bump, vector in tangent space, normals": _STRETCHED,
     "Displacement of vertices and bump, vector in tangent space": _STRETCHED,
     "Ambient Occlusion above a threshold": "the few rays of a point lie otherwise: worst there",
