@@ -23,7 +23,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, sample_order, measured, lobe_setup, embree_instances, hair_cells,
-    hair_setup, bevel
+    hair_setup, hair_samples, bevel
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
     light_rays, paper_tables, light_cells, lamp_rays, pass_rays, moving_accel,
     moved_accel, surface_numbers, near_rays, pixel_motion, random_walk, copied_accel

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .bump import turns
+from .hair import ALL_ROUND, LAMPS_ALONE
 from .hair_setup import HairValues, set_hair, set_starts
 from .lobe_setup import setup_lobes
 from .lobes import Lobes, darken_matte
@@ -145,7 +146,11 @@ class Columns:
             on_tube = normals_of_strands(points.normal[rows], hair.tangent)
             own = np.where(tube[:, None], on_tube, points.geometric_normal[rows])
             lobes.normal[rows] = own
-            set_hair(lobes, rows, hair, np.where(self._behind[rows], -1.0, 1.0))
+            front, behind = (
+                np.where(tube, on_tube, on_mesh)
+                for on_tube, on_mesh in ((ALL_ROUND, 1.0), (LAMPS_ALONE, -1.0))
+            )
+            set_hair(lobes, rows, hair, np.where(self._behind[rows], behind, front))
 
     def _set_shape(self, lobes: Lobes) -> None:
         """Make sheen and toon of the Lambert lobes that are to be."""

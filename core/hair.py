@@ -8,15 +8,16 @@ along the strand by M, round the axis by N:
 
 HAIR_REFLECTION and HAIR_TRANSMISSION, the Hair BSDF: products of two bell curves [Marschner03].
 A strand is the two sides of its surface, each a layer of shading points of its own: a side has the
-light from its own half of the sphere. As in Cycles all of it counts as glossy.
+light from its own half of the sphere. Where rays start beyond the strand, one point has the world's
+light from all round. As in Cycles all of it counts as glossy.
 
 Where a point's numbers are (hair_setup.py): Lobes.rough[3] says which model, edge has what the
 strand absorbs over its radius, tangent its direction, diffuse the factor of all;
 
-    CHIANG  rough: v, v of R, s; fresnel: index of refraction, tilt in radians, side: 1 or -1
+    CHIANG  rough: v, v of R, s; fresnel: index of refraction, tilt in radians
     others  rough: width along, width round, offset
     all     f0[0]: radius, reach, slope (round_points.Circles), the first two in metres; radius 0:
-            on a mesh
+            on a mesh; fresnel[2]: side: 1 or -1, ALL_ROUND or LAMPS_ALONE
 
 TRANSLUCENT_ROUND, a Translucent BSDF on a strand or a point, is here for its rays alone.
 """
@@ -43,14 +44,17 @@ from .microfacet import (
     dot_xyz,
 )
 
+# In the place of a side, of strands that rays start beyond: the front has the world's light from
+# all round, and what is behind has that of lamps alone.
+ALL_ROUND, LAMPS_ALONE = np.float32(2.0), np.float32(-2.0)
 _TINY = np.float32(1e-12)
 _LEAST_COSINE = np.float32(1e-3)
 _ACROSS2 = np.float32(1e-3)  # rays nearer to the axis leave the strand as these do, and no later
 # Of a logistic distribution of scale s: variance / s^2.
-_LOGISTIC = np.float32(math.pi**2 / 3.0)
+LOGISTIC = np.float32(math.pi**2 / 3.0)
 # Cycles' I0: ten terms of its series up to here (2 % too little at the end), then its asymptote.
 _SERIES = np.float32(12.0)
-_TERMS = tuple(np.float32(1.0 / (4.0**k * math.factorial(k) ** 2)) for k in range(10))
+SERIES_TERMS = tuple(np.float32(1.0 / (4.0**k * math.factorial(k) ** 2)) for k in range(10))
 
 
 class Chiang(NamedTuple):
@@ -101,11 +105,18 @@ def _along_gain(v):
     return ONE / (v * (ONE - math.exp(-TWO / v)))
 
 
+@kernel(forceinline=True)
+def side_of(at):
+    """1 where a point's normal is that of the side that the viewer sees, else -1."""
+    return ONE if at.fresnel[2] > ZERO else -ONE
+
+
 @kernel
 def chiang_at(at, spread2):
     """A point's numbers. at: LobesAt; spread2: variance of wi in each direction, radians squared"""
     frame = frame_at(at.tangent, at.wo)
-    eta, tilt, side = at.fresnel[0], at.fresnel[1], at.fresnel[2]
+    eta, tilt = at.fresnel[0], at.fresnel[1]
+    side = side_of(at)
     across = frame.across
     # The place on the strand: the sine of the angle between its normal and the viewer.
     h = -side * dot_xyz(at.normal, across[0], across[1], across[2])
@@ -119,7 +130,7 @@ def chiang_at(at, spread2):
     green = _parts(f, math.exp(-at.edge[1] * way))
     blue = _parts(f, math.exp(-at.edge[2] * way))
     v = (at.rough[1] + spread2, QUARTER * at.rough[0] + spread2, FOUR * at.rough[0] + spread2)
-    s = math.sqrt(at.rough[2] * at.rough[2] + spread2 / _LOGISTIC)
+    s = math.sqrt(at.rough[2] * at.rough[2] + spread2 / LOGISTIC)
     return Chiang(
         frame,
         _tilts(tilt),
@@ -155,8 +166,8 @@ def _along(sin_i, cos_i, sin_o, cos_o, v, gain):
         spread = math.exp((both - sin_i * sin_o - ONE) / v + QUARTER * QUARTER / x)
         return gain * spread / math.sqrt(TWO * PI * x)
     x2, series = x * x, ZERO
-    for k in range(len(_TERMS)):
-        series = series * x2 + _TERMS[len(_TERMS) - 1 - k]
+    for k in range(len(SERIES_TERMS)):
+        series = series * x2 + SERIES_TERMS[len(SERIES_TERMS) - 1 - k]
     return gain * series * math.exp(-(sin_i * sin_o + ONE) / v)
 
 
@@ -208,9 +219,12 @@ def eval_chiang(hair, wi_x, wi_y, wi_z):
 
 @kernel
 def eval_strand(at, hair, wi_x, wi_y, wi_z):
-    """brdf.eval_at of a point of hair. hair: of chiang_at, where it is that"""
+    """brdf.eval_at of a point of hair, but of ALL_ROUND from all sides.
+
+    hair: of chiang_at, where it is that
+    """
     cosine = dot_xyz(at.normal, wi_x, wi_y, wi_z)
-    if cosine <= ZERO:
+    if cosine <= ZERO and at.fresnel[2] != ALL_ROUND:
         return ZERO, ZERO, ZERO, ZERO, ZERO, ZERO
     if at.rough[3] == TRANSLUCENT_ROUND:
         scale = cosine * INV_PI
@@ -225,7 +239,9 @@ def eval_strand(at, hair, wi_x, wi_y, wi_z):
 
 @kernel
 def eval_hair(at, wi_x, wi_y, wi_z):
-    """The same, of one direction alone."""
+    """The same of one direction alone, on the point's side."""
+    if dot_xyz(at.normal, wi_x, wi_y, wi_z) <= ZERO:
+        return ZERO, ZERO, ZERO, ZERO, ZERO, ZERO
     return eval_strand(at, chiang_at(at, ZERO), wi_x, wi_y, wi_z)
 
 
@@ -236,7 +252,7 @@ def ray_start(at, position, wi_x, wi_y, wi_z):
     position: a triple, the point's
     """
     radius, reach, slope = at.dielectric_f0
-    side = at.fresnel[2]
+    side = side_of(at)
     way = reach - side * radius  # of the point from its place on the strand, along its own normal
     nx, ny, nz = at.normal
     along = dot_xyz(at.tangent, wi_x, wi_y, wi_z)

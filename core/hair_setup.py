@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .hair import ALL_ROUND, LAMPS_ALONE
 from .lambert_kinds import CHIANG, HAIR_REFLECTION, HAIR_TRANSMISSION, TRANSLUCENT_ROUND
 from .lobes import DIELECTRIC, DIFFUSE_LOBE, Lobes
 from .program import HAIR_BELL_REFLECTION, HAIR_BELL_TRANSMISSION, HAIR_CHIANG
@@ -69,13 +70,15 @@ def _part_of_side(hair: HairValues, normal, wo, side) -> np.ndarray:
         inside = through * mirrored * left
         front = (mirrored + inside) / (mirrored + inside + through)
     front = np.clip(front, _LEAST_PART, 1.0 - _LEAST_PART)
+    front[(side == ALL_ROUND) | (side == LAMPS_ALONE)] = 1.0
     return np.float32(np.where(side > 0.0, front, 1.0 - front))
 
 
 def set_hair(lobes: Lobes, rows: np.ndarray, hair: HairValues, side: np.ndarray) -> None:
     """Make the Lambert lobes of some points hair: Lobes of n points, written to.
 
-    rows: int (m,), of the points; side: float32 (m,), 1, or -1 for what shines from behind
+    rows: int (m,), of the points; side: float32 (m,), 1, -1 for what shines from behind, or
+        ALL_ROUND and LAMPS_ALONE
     The lobes have the strand's normal, and its reflectance as their color: of the Hair BSDF that is
     its factor, of Principled Hair what Cycles' Glossy Color says. Each side gets its part of that,
     and so of the samples (pass_samples.shared_counts).
@@ -112,3 +115,8 @@ def set_starts(lobes: Lobes, rows: np.ndarray, own: Circles, behind: np.ndarray)
     slope = np.where(reversed_, -own.slope, own.slope)
     lobes.f0[rows, DIELECTRIC] = np.stack([own.radius, own.reach, slope], -1)
     return np.where(behind, -own.radius - own.reach, own.reach - own.radius)
+
+
+def has_world(lobes: Lobes) -> np.ndarray:
+    """bool (n,): whether points have light of the world, and not of lamps alone."""
+    return (lobes.rough[:, 3] > CHIANG) | (lobes.fresnel[:, 2] != LAMPS_ALONE)

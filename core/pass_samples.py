@@ -11,6 +11,7 @@ from .block_loop import PASSES_AT_ONCE
 from .catchers import CaughtPasses, has_role, plays
 from .cutouts import opacity_of
 from .guide import new_guides
+from .hair_setup import has_world
 from .incremental import PixelSums, new_sums
 from .light_groups import TileGroups
 from .luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
@@ -141,7 +142,7 @@ def shared_counts(layers: list[ClosureLayer], most: int) -> list[np.ndarray]:
 
     As they reflect: a coat brings a twentieth of what is under it. One at the least, and where a
     closure's count is the same in all passes, its samples are the first ones of one sequence. Of
-    colors that are no numbers, or below 0, nothing is expected.
+    colors that are no numbers, or below 0, nothing is expected. None where there are lamps alone.
     """
     if len(layers) == 1:
         return [np.full(len(layers[0].of), most)]
@@ -150,7 +151,7 @@ def shared_counts(layers: list[ClosureLayer], most: int) -> list[np.ndarray]:
         lobes = layer.seen.lobes
         color = diffuse_colors(lobes) if layer.color is None else layer.color
         color = np.nan_to_num(color + lobes.glossy_color, nan=0.0, posinf=1.0)
-        own[layer.of] = np.maximum(color @ _LUMINANCE, 0.0) + _DARK
+        own[layer.of] = np.maximum(color @ _LUMINANCE, 0.0) + _DARK * has_world(lobes)
     share = albedo / albedo.sum(axis=0)
     counts = np.maximum(np.rint(share * most), albedo > 0.0).astype(np.int64)
     over, largest = counts.sum(axis=0) - most, counts.argmax(axis=0)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
-from .hair_cells import add_hair
+from .hair_cells import fill_hair
 from .lambert_kinds import HAIR, TRANSLUCENT_ROUND
 from .lobe_cells import add_gloss, fill_lambert, gloss_at, lambert_at
 from .lobes import DIFFUSE_LOBE
@@ -41,7 +41,7 @@ _LEAST_KEPT = np.float32(0.3)
 # Seen flatter than this (cosine), lobes crowd into few cells of the base: up to this part of the
 # samples follows the lobe itself, or a rare one is 70 times too bright.
 _FLAT, _MOST_FLAT = np.float32(0.2), np.float32(0.4)
-# Of the samples of sheen, those that follow its own lobe; of hair, Lambert's.
+# Of the samples of sheen, those that follow its own lobe.
 _SHEEN = np.float32(0.05)
 
 
@@ -182,6 +182,11 @@ def sum_base(tree):
 
 
 @kernel(forceinline=True)
+def _is_hair(lobes, p):
+    return lobes.kind[p] <= DIFFUSE_LOBE and TRANSLUCENT_ROUND < lobes.rough[p, 3] <= HAIR
+
+
+@kernel(forceinline=True)
 def _below(groups, g, normal, turned):
     return (
         groups[g, 0] * normal[0] + groups[g, 1] * normal[1] + groups[g, 2] * normal[2]
@@ -247,15 +252,17 @@ def build_product(lobes, p, turned, cells, averages, levels, products, scratch):
     tree = products.trees[p]
     leaves = tree[BASE_BEGIN:BLOCK_BEGIN]
     radius, one = np.float32(2.0 / (1 << BASE_LEVEL)), np.float32(1.0)
+    if _is_hair(lobes, p):
+        products.blocks[p] = 0
+        products.follow[p] = fill_hair(lobes, p, cells, radius, leaves)
+        sum_base(tree)
+        return
     lambert = lambert_at(lobes, p, turned)
     matte = _fill_base_lambert(lambert, cells, radius, leaves)
     products.blocks[p], products.follow[p] = 0, 0.0
     if lobes.kind[p] <= DIFFUSE_LOBE:
         kind = lobes.rough[p, 3]
-        if TRANSLUCENT_ROUND < kind <= HAIR:
-            add_hair(lobes, p, cells, radius, leaves, scratch.spread)
-            products.follow[p] = _SHEEN
-        elif is_toon(lobes.rough[p]):
+        if is_toon(lobes.rough[p]):
             products.follow[p] = fill_toon(lobes, p, cells, radius, leaves)
         elif TRANSLUCENT_ROUND < kind < np.float32(0.0):
             add_sheen(lobes, p, cells, radius, leaves)

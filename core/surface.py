@@ -17,12 +17,14 @@ from .lobes import Lobes, matte_alone
 from .nodes import Evaluation, ShadeContext, surface_evaluation
 from .poses import points_at_rest, posed_normals
 from .program import Hair, Program, Subsurface
+from .round_points import is_round
 from .rows import any_in_row, row_means
-from .scene import DIFFUSE, GGX, Scene
+from .scene import DIFFUSE, GGX, TRANSLUCENT, Scene
 from .shading import ShadingPoints
 from .subsurface import Media, walked
 
 _VECTORS = ("base_color", "specular_tint")  # columns of MaterialParams
+_NOWHERE = np.zeros(1, np.bool_)
 
 
 def surface_lobes(scene: Scene, points: ShadingPoints) -> tuple[ShadingPoints, Lobes]:
@@ -67,7 +69,8 @@ def closure_layers(scene: Scene, points: ShadingPoints) -> list[PointClosures]:
     under: list[list[ClosureValues]] = []
     programs = scene.shaders.programs
     for which, number, context in _contexts(scene, points, programs):
-        seen = which, points.passed[which], scene.pose
+        unlit = _unlit_behind(scene, programs[number], points.triangle[which])
+        seen = which, points.passed[which], scene.pose, unlit
         layers, glow[which] = _evaluate(programs[number], context, *seen)
         packed = _packed(layers)
         for kind, own in (
@@ -81,6 +84,14 @@ def closure_layers(scene: Scene, points: ShadingPoints) -> list[PointClosures]:
     first.lobes.emission[:] = glow * points.through
     rest = (layers for layers in (*found[1:], *under))
     return [first, *(_of_some(scene, points, layers) for layers in rest)]
+
+
+def _unlit_behind(scene: Scene, program: Program, triangle: np.ndarray) -> np.ndarray:
+    """bool (m,), or one for all: whether hair's closure for the side away from the viewer has no
+    light, as the world's comes to the other one (hair.ALL_ROUND)."""
+    if len(scene.lamps.kind) or all(closure.hair is None for closure in program.closures):
+        return _NOWHERE
+    return is_round(scene, triangle)
 
 
 def _of_some(scene: Scene, points: ShadingPoints, layers: list[ClosureValues]) -> PointClosures:
@@ -158,12 +169,12 @@ def _contexts(scene: Scene, points: ShadingPoints, programs):
 
 
 def _evaluate(
-    program: Program, context, which, passed, pose, whole=False
+    program: Program, context, which, passed, pose, unlit=_NOWHERE, whole=False
 ) -> tuple[list[ClosureValues], np.ndarray]:
     """The closures of one material's points, and what these emit: negative too, as in Cycles.
 
-    passed: of ShadingPoints, of these; whole: whether light from under the surface counts as the
-    surface's own, and hair is matte
+    passed: of ShadingPoints, of these; unlit: bool (m,), or one for all: of _unlit_behind;
+    whole: whether light from under the surface counts as the surface's own, and hair is matte
     """
     evaluation = surface_evaluation(program, context)
 
@@ -173,11 +184,16 @@ def _evaluate(
     opaque = opacity_gain(program, evaluation, passed)
     layers = []
     for closure in program.closures:
+        behind = closure.hair is not None and closure.model == TRANSLUCENT
+        if behind and unlit.all():
+            continue
         params = {
             name: evaluation.vector(value) if name in _VECTORS else evaluation.number(value)
             for name, value in closure.params.items()
         }
         weight = np.maximum(evaluation.vector(closure.weight), 0.0) * opaque
+        if behind:
+            weight = np.where(unlit[:, None], np.float32(0.0), weight)
         normal = None if closure.normal is None else evaluation.vector(closure.normal)
         if normal is not None:
             normal = turned(normal)

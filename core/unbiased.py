@@ -14,6 +14,8 @@ import numpy as np
 from ._jit import kernel
 from .brdf import sample_narrowest_at
 from .guide import Guides, note_rays
+from .hair_samples import sample_strand
+from .lambert_kinds import HAIR, TRANSLUCENT_ROUND
 from .lanes import (
     DIFFUSE,
     DX,
@@ -161,7 +163,11 @@ def _follow_lobes(task, work, n_follows):
     for i in range(n_follows):
         s = work.follows[i]
         p = lanes.point[s]
-        wx, wy, wz = sample_narrowest_at(lobes_at(task.lobes, p), work.x[i], work.y[i])
+        at = lobes_at(task.lobes, p)
+        if TRANSLUCENT_ROUND < at.rough[3] <= HAIR:
+            wx, wy, wz = sample_strand(at, work.x[i], work.y[i])
+        else:
+            wx, wy, wz = sample_narrowest_at(at, work.x[i], work.y[i])
         x, y = sphere_to_square(np.float64(wx), np.float64(wy), np.float64(wz))
         pdf = pdf_product(task.products, p, pyramid, x, y)
         lanes.base[s] = -1

@@ -12,8 +12,9 @@ from ._jit import kernel
 from .brdf import eval_facets_at, eval_lobes_at, pdf_facets_at, pdf_narrowest_at, pdf_round_at
 from .bump import bump_gain
 from .environment import eval_map
-from .hair import chiang_at, eval_strand, ray_start
-from .lambert_kinds import HAIR
+from .hair import ALL_ROUND, chiang_at, eval_strand, ray_start
+from .hair_samples import pdf_strand, shares_of
+from .lambert_kinds import CHIANG, HAIR, TRANSLUCENT_ROUND
 from .lanes import BLUE, DIFFUSE, DX, DY, DZ, GLOSSY, GREEN, LANES, OX, OY, OZ, PDF, RED, U, V
 from .light_rays import is_lifted
 from .lobes import DIFFUSE_LOBE, MEASURED_LOBE
@@ -26,6 +27,7 @@ from .stretched import pdf_stretched, stretched
 from .terminator import lift_share
 
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
+_ALL_ALIKE = np.float32(0.25) * INV_PI  # the density of the Hair BSDF's own samples
 
 
 @kernel
@@ -149,9 +151,16 @@ def _weigh_rough(at, share, numbers, s, end):
 def _weigh_hair(at, position, share, numbers, s, end):
     """The same for a point of a strand, whose rays start elsewhere; position: a triple."""
     own = chiang_at(at, _ZERO)
+    shares = shares_of(at, own)
     for k in range(s, end):
         wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
-        pdf = share * pdf_round_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
+        if at.rough[3] == CHIANG:
+            by_lobes = pdf_strand(own, shares, wx, wy, wz)
+        elif at.rough[3] == TRANSLUCENT_ROUND:
+            by_lobes = pdf_round_at(at, wx, wy, wz)
+        else:
+            by_lobes = _ALL_ALIKE
+        pdf = share * by_lobes + (_ONE - share) * numbers[PDF + k]
         if at.dielectric_f0[0] > _ZERO:
             x, y, z = ray_start(at, position, wx, wy, wz)
             numbers[OX + k], numbers[OY + k], numbers[OZ + k] = x, y, z
@@ -175,7 +184,8 @@ def _weigh_stretched(at, share, numbers, s, end):
 def _weigh_run(task, share, p, lanes, s, end):
     """weigh_lanes for lanes s ... end - 1, all of point p."""
     at = lobes_at(task.lobes, p)
-    _start_rays(task.points, p, task.offset, lanes.numbers, s, end)
+    if at.rough[3] > HAIR or at.fresnel[2] != ALL_ROUND:  # whose rays start beyond it
+        _start_rays(task.points, p, task.offset, lanes.numbers, s, end)
     if task.points.lift_below[p] > _ZERO:
         _lift_rays(task, at, p, lanes, s, end)
     if at.narrow > _ZERO:
