@@ -218,14 +218,18 @@ def make_tubes(strands: Strands, shape: Shape, rings: Rings, like: Strands | Non
 
 
 def _bands(rings: Rings, radii, k):
-    """int32 (m, 3): two triangles a side from each ring to the next of its strand."""
+    """int32 (m, 3): two triangles a side from each ring to the next of its strand.
+
+    The two follow each other, so that Embree gets them as one quad (core/triangle_pairs.py).
+    """
     rows = np.flatnonzero(~rings.last).astype(np.int32)
     side, following = np.arange(k, dtype=np.int32), (np.arange(k, dtype=np.int32) + 1) % k
     first = np.stack([side, following, following + k], -1)
     second = np.stack([side, following + k, side + k], -1)
-    faces = np.concatenate([first, second])[None] + (rows * k)[:, None, None]
+    both = np.stack([first, second], axis=1).reshape(-1, 3)
+    faces = both[None] + (rows * k)[:, None, None]
     there = radii > 0.0
     if there.all():
         return faces.reshape(-1, 3)
-    keep = np.repeat(np.stack([there[rows], there[rows + 1]], -1), k, axis=1)
+    keep = np.tile(np.stack([there[rows], there[rows + 1]], -1), k)
     return faces[keep]

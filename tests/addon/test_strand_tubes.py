@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from iwis.core.triangle_pairs import paired
 from iwis.iwis_addon.export.errors import ExportError
 from iwis.iwis_addon.export.mesh_size import check_made
 from iwis.iwis_addon.export.strand_tubes import (
@@ -128,3 +129,14 @@ def test_tubes_of_two_times_are_turned_alike():
     assert turned <= np.linalg.norm(ways[1] - ways[0]) * 1.001
     assert np.linalg.norm(alone.normals - before.normals, axis=1).max() > 0.5  # it does matter
     np.testing.assert_allclose(alike.normals @ ways[1], 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("tip", [0.05, 0.0])
+def test_bands_are_quads_to_embree(tip):
+    """All triangles go two by two; of the last band of a closed tip each stands alone."""
+    radii = [0.1] * 7 + [tip]
+    strands = strands_of([(0, 0, z, radius) for z, radius in enumerate(radii)])
+    made = make_tubes(strands, Shape(8, 1, True), find_rings(strands, Shape(8, 1, True)))
+    pairs = paired(np.ascontiguousarray(made.triangles))
+    assert len(made.triangles) == 8 * (14 if tip else 13)
+    assert len(pairs.first) == 8 * 7
