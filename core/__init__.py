@@ -29,7 +29,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     moved_accel, surface_numbers, near_rays, pixel_motion, random_walk, copied_accel
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree, backdrop, emission_parts, like_products, closure_columns,
-    displacement, lamp_light
+    displacement, lamp_light, moving_copies
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
     emitters, lamp_glow, light_edges
     block_loop, reference, catchers, ray_masks,      8  UNBIASED's loop; estimators to compare with

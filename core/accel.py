@@ -136,6 +136,17 @@ class Accel:
         return out
 
 
+def among(mesh: TriangleMesh, rows: np.ndarray) -> TriangleMesh:
+    """Some of a mesh's triangles, int (k,), with all its vertices."""
+    return TriangleMesh(
+        vertices=mesh.vertices,
+        triangles=mesh.triangles[rows],
+        corner_normals=mesh.corner_normals[rows],
+        material_index=mesh.material_index[rows],
+        object_index=mesh.object_index[rows],
+    )
+
+
 def to_triangles(pairs: Pairs | None, hit: np.ndarray, u: np.ndarray, v: np.ndarray) -> None:
     """Make Accel.intersect's arrays of nearest_hits', in place."""
     if pairs is not None:

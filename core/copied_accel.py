@@ -66,13 +66,21 @@ class CopiedAccel(Accel):
         parts = np.append(np.arange(n), self._part[original])
         shift = np.einsum("nij,nj->ni", matrices[:, :, :3], self._middles[parts])
         matrices[:, :, 3] += shift
-        self._part_of = parts.astype(np.uint32)
+        self._array = InstanceArray(self._parts, parts.astype(np.uint32), np.float32(matrices))
         self._copy = np.append(np.full(n, -1), shown).astype(np.int32)
-        if len(parts) > _MOST_SINGLE:
-            self._scene = InstanceArray(self._parts, self._part_of, np.float32(matrices))
-        else:
-            self._scene = InstanceScene([self._parts[k] for k in parts], matrices)
+        self._scene = self._instanced()
         self.traversal = self._scene.traversal()
+
+    def _instanced(self) -> InstanceScene:
+        array = self._array
+        if len(array.part_of) > _MOST_SINGLE:
+            return InstanceScene([], np.zeros((0, 3, 4)), array)
+        return InstanceScene([array.parts[k] for k in array.part_of], array.matrices)
+
+    @property
+    def array(self) -> InstanceArray | None:
+        """Its instances, as those of another scene; None: it has none."""
+        return self._array if self._parts else None
 
     def with_copies(self, copies: Copies) -> CopiedAccel:
         """The same of other copies of the same originals."""
@@ -147,7 +155,7 @@ class CopiedAccel(Accel):
     def as_triangles(self, face, u, v, instance, slots=None):
         """See Accel."""
         number = np.empty(len(face), np.int32)
-        _count_from_the_first(face, instance, self._part_of, self._begin, self._copy, number)
+        _count_from_the_first(face, instance, self._array.part_of, self._begin, self._copy, number)
         count_as_triangles(self._first, self._turn, face, u, v)
         _to_rows(face, self._rows)
         self._table.show(face, u, v, number, slots)

@@ -29,7 +29,7 @@ class _Share:
     """The rows that one thread writes to: they are free again when it ends."""
 
     def __init__(self, free: list[int]):
-        self._free, self.number, self.turn = free, free.pop(), 0
+        self._free, self.number, self.next = free, free.pop(), 0
 
     def __del__(self):
         self._free.append(self.number)
@@ -43,7 +43,7 @@ class CopiedRows:
 
     def __init__(self, scene: Scene, settings: RenderSettings, threads: int):
         """threads: the most that will ask at a time, this one beside them"""
-        # Twice, by turns, what a tile looks through at once: its picture looks once more.
+        # Twice what a tile looks through at once, in slices of the shutter's time or in one.
         self._most = _PASSES * (settings.tile_px + _BEYOND) ** 2
         self._begin = len(scene.mesh.triangles)
         self._others = max(_OTHERS, self._most)
@@ -54,12 +54,14 @@ class CopiedRows:
 
     def slots(self, n: int) -> np.ndarray:
         """int32 (n,): rows for as many rays, whose triangles stay until this thread has asked for
-        as many twice more."""
+        what a tile looks through at once."""
         if n > self._most:
             raise ValueError(f"{n} rays look at once, {self._most} may")
         share = self._share()
-        share.turn = 1 - share.turn
-        first = self._begin + share.number * self._size + share.turn * self._most
+        if share.next + n > 2 * self._most:
+            share.next = 0
+        first = self._begin + share.number * self._size + share.next
+        share.next += n
         return np.arange(first, first + n, dtype=np.int32)
 
     def show(self, triangle, u, v, copy, slots: np.ndarray | None) -> None:

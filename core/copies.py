@@ -38,3 +38,16 @@ class Copies(NamedTuple):
     def same_originals(self, other: Copies | None) -> bool:
         """Whether others are copies of the same."""
         return other is not None and all(map(np.array_equal, self[:2], other[:2]))
+
+    def move(self, motion, object_index: np.ndarray) -> bool:
+        """Whether any of them, or of their originals, moves or changes its shape.
+
+        motion: an ObjectMotion, or None; object_index: of the mesh table
+        """
+        if motion is None:
+            return False
+        own = np.append(self.objects, object_index[self.first])
+        if np.isin(motion.objects, own).any():
+            return True
+        changing = (object_index[shapes.triangle] for shapes in motion.shapes)
+        return any(np.isin(np.unique(rows), own).any() for rows in changing)

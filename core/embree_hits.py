@@ -66,7 +66,7 @@ def hit_of(ray):
 
 @kernel(forceinline=True)
 def _instance_of(ray):
-    """Of what was hit: among instances the one, in a lone array of them its place; else -1."""
+    """Of what was hit: among instances the one, of an array after these counted on; else -1."""
     return get_int(ray + 76) + max(get_int(ray + 80), 0)
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,28 +54,62 @@ def _library():
     return library
 
 
+class InstanceArray(NamedTuple):
+    """Parts that stand in many places, as one geometry of Embree's: 64 bytes each and no time to
+    make, where others take 5 us and 350 bytes, but are met sooner by rays.
+
+    parts: committed; part_of: uint32 (n,), of each instance; matrices: float32 (n, 3, 4), to world
+    space. Embree reads the arrays, and owns nothing.
+    """
+
+    parts: list[EmbreeScene]
+    part_of: np.ndarray
+    matrices: np.ndarray
+
+
 class InstanceScene:
     """Parts under a matrix each. Keeps them; lives until it is let go."""
 
-    def __init__(self, parts: list[EmbreeScene], matrices: np.ndarray):
-        """parts: committed, of one device; matrices: float32 (n, 3, 4), to world space."""
-        self.handle, self._parts = None, parts
+    def __init__(
+        self, parts: list[EmbreeScene], matrices: np.ndarray, array: InstanceArray | None = None
+    ):
+        """parts: committed; matrices: float32 (n, 3, 4), to world space; array: further instances,
+        whose numbers follow. All of one device; there is at least one part."""
+        self.handle, self._array = None, array
+        self._parts = list(dict.fromkeys([*parts, *(array.parts if array else ())]))
         self._library = library = _library()
-        self.handle = library.rtcNewScene(parts[0].device)
+        self.handle = library.rtcNewScene(self._parts[0].device)
         library.rtcSetSceneFlags(self.handle, ROBUST)
         for part, matrix in zip(parts, np.ascontiguousarray(matrices, np.float32), strict=True):
             geometry = library.rtcNewGeometry(part.device, _INSTANCE)
             library.rtcSetGeometryInstancedScene(geometry, part.handle)
             library.rtcSetGeometryTransform(geometry, 0, _ROWS_OF_3X4, matrix.ctypes.data)
-            library.rtcCommitGeometry(geometry)
-            library.rtcAttachGeometry(self.handle, geometry)
-            library.rtcReleaseGeometry(geometry)
+            self._attach(geometry)
+        if array is not None:
+            self._attach(self._geometry_of(array))
         library.rtcCommitScene(self.handle)
-        parts[0].check()
+        self._parts[0].check()
+
+    def _geometry_of(self, array: InstanceArray):
+        library, parts = self._library, array.parts
+        geometry = library.rtcNewGeometry(parts[0].device, _INSTANCE_ARRAY)
+        handles = (_HANDLE * len(parts))(*(part.handle for part in parts))
+        library.rtcSetGeometryInstancedScenes(geometry, handles, len(parts))
+        own = (_INDEX, _UINT, array.part_of), (_TRANSFORM, _ROWS_OF_3X4, array.matrices)
+        for kind, form, values in own:
+            library.rtcSetSharedGeometryBuffer(
+                geometry, kind, 0, form, values.ctypes.data, 0, values.strides[0], len(values)
+            )
+        return geometry
+
+    def _attach(self, geometry) -> None:
+        self._library.rtcCommitGeometry(geometry)
+        self._library.rtcAttachGeometry(self.handle, geometry)
+        self._library.rtcReleaseGeometry(geometry)
 
     def traversal(self) -> Traversal:
         """See EmbreeScene."""
-        found = [part.traversal() for part in dict.fromkeys(self._parts)]
+        found = [part.traversal() for part in self._parts]
         colored, aside = any(one.colored for one in found), max(one.aside for one in found)
         return found[0]._replace(scene=self.handle, colored=colored, aside=aside)
 
@@ -85,29 +120,3 @@ class InstanceScene:
         self.handle = None
 
     __del__ = close
-
-
-class InstanceArray(InstanceScene):
-    """Parts that stand in many places, as one geometry of Embree's: 64 bytes each and no time to
-    make, where others take 5 us and 350 bytes, but are met sooner by rays."""
-
-    def __init__(self, parts: list[EmbreeScene], part_of: np.ndarray, matrices: np.ndarray):
-        """parts: committed, of one device; part_of: uint32 (n,), of each instance; matrices:
-        float32 (n, 3, 4), to world space."""
-        self.handle, self._parts = None, parts
-        self._library = library = _library()
-        self._arrays = part_of, matrices  # Embree reads them, and owns nothing
-        self.handle = library.rtcNewScene(parts[0].device)
-        library.rtcSetSceneFlags(self.handle, ROBUST)
-        geometry = library.rtcNewGeometry(parts[0].device, _INSTANCE_ARRAY)
-        handles = (_HANDLE * len(parts))(*(part.handle for part in parts))
-        library.rtcSetGeometryInstancedScenes(geometry, handles, len(parts))
-        for kind, form, array in ((_INDEX, _UINT, part_of), (_TRANSFORM, _ROWS_OF_3X4, matrices)):
-            library.rtcSetSharedGeometryBuffer(
-                geometry, kind, 0, form, array.ctypes.data, 0, array.strides[0], len(array)
-            )
-        library.rtcCommitGeometry(geometry)
-        library.rtcAttachGeometry(self.handle, geometry)
-        library.rtcReleaseGeometry(geometry)
-        library.rtcCommitScene(self.handle)
-        parts[0].check()

@@ -24,6 +24,8 @@ from .watch import Cancelled
 class MovingAccel(Accel):
     """An Accel of the pose that the mesh table has; ``at`` is one of a slice."""
 
+    _beside: EmbreeScene | None = None  # whose device parts share
+
     def __init__(
         self,
         mesh: TriangleMesh,
@@ -45,8 +47,10 @@ class MovingAccel(Accel):
         used, first = np.unique(part[order], return_index=True)
         self._rows, self._first = order, first.astype(np.int64)
         self._parts: list[EmbreeScene] = []
-        for own, begin, end in zip(used, first, [*first[1:], len(order)], strict=True):
-            self._add_part(own % kinds, order[begin:end], opacity, cancelled)
+        for own, some in zip(
+            used, np.split(order, first[1:]), strict=False
+        ):  # none: one empty part
+            self._add_part(own % kinds, some, opacity, cancelled)
         still = np.broadcast_to(np.eye(4), (k, 4, 4))
         sets = used // kinds
         poses = np.array([moving[s - 1] if s else still for s in sets]).reshape(-1, k, 4, 4)
@@ -60,7 +64,7 @@ class MovingAccel(Accel):
     def _add_part(self, kind: int, rows, opacity, cancelled):
         """kind: 0, or 1 and up: of the motion's shapes; rows: of the mesh, ascending"""
         own = None if opacity is None else ShadowFilter(opacity._replace(row=opacity.row[rows]))
-        beside = self._parts[0] if self._parts else None
+        beside = self._parts[0] if self._parts else self._beside
         vertices, triangles = self.mesh.vertices, self.mesh.triangles[rows]
         if kind:
             shapes = self._motion.shapes[kind - 1]
@@ -80,7 +84,7 @@ class MovingAccel(Accel):
 
     def at(self, number: int, scene: Scene | None = None) -> MovingAccel:
         """The same at a slice of the shutter's time; scene: is not asked, see SceneRays.at."""
-        other = object.__new__(MovingAccel)
+        other = object.__new__(type(self))
         other.__dict__.update(self.__dict__)
         other._take(self._slices[number], float(self._motion.times[number]))
         return other

@@ -90,7 +90,8 @@ def _as_settings_show(scene: Scene, settings: RenderSettings, warnings: list[str
     elif scene.motion is not None and not can_instance():
         warnings.append("Embree's own interface is missing: moving objects stand still")
         scene = dataclasses.replace(scene, motion=None)
-    if scene.motion is not None or not can_copy():
+    copies = scene.copies
+    if copies and (copies.move(scene.motion, scene.mesh.object_index) or not can_copy()):
         scene = written_out(scene)
     scatters = scene.shaders is not None and scene.shaders.scatters
     if settings.pixel_filter == "CENTER" and scatters:

@@ -19,6 +19,7 @@ from .light_rays import Light, make_light
 from .light_tree import build_pyramid
 from .moved_accel import Moves, moved, moves_between, settled
 from .moving_accel import MovingAccel
+from .moving_copies import MovingCopies
 from .paper_tables import PaperTables, TableBuilder
 from .pyramid import LightPyramid
 from .ray_masks import RayMasks, ray_masks
@@ -180,9 +181,12 @@ class RenderCache:
         self._accel = self._parts = None
         self._moved = False
         masks = self._ray_masks(scene)
-        if masks is None:
-            return MovingAccel(scene.mesh, scene.motion, cancelled)
-        return SceneRays(scene, RayParts(scene.mesh, masks, cancelled, scene.motion))
+        mesh, motion, copies = scene.mesh, scene.motion, scene.copies
+        if masks is not None:
+            return SceneRays(scene, RayParts(mesh, masks, cancelled, motion, copies))
+        if copies is None:
+            return MovingAccel(mesh, motion, cancelled)
+        return MovingCopies(mesh, motion, copies, None, cancelled)
 
     def light(
         self,

@@ -250,7 +250,7 @@ class Scene:
     motion: of objects while the shutter is open; pose: the slice of it that a copy of the scene
         stands for, made by time_slices.py; pixel_motion: for the Vector pass, None = not asked
     object_to_world: float64 (n_objects, 4, 4), where the mesh table has objects; None = not told
-    copies: objects that show what others of the mesh table do, elsewhere; not beside motion
+    copies: objects that show what others of the mesh table do, elsewhere
     """
 
     mesh: TriangleMesh

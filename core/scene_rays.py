@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .accel import MISS, Accel
+from .accel import MISS, Accel, among
 from .copied_accel import CopiedAccel
 from .copied_rows import CopiedRows
 from .copies import Copies
@@ -21,6 +21,7 @@ from .cutouts import behind, drawn_numbers, passing_shares
 from .embree_rays import ALL_COLORS, Traversal
 from .moved_accel import Moves, moved, settled
 from .moving_accel import MovingAccel
+from .moving_copies import MovingCopies
 from .object_motion import ObjectMotion
 from .poses import posed_points
 from .ray_masks import RayMasks
@@ -37,17 +38,13 @@ class PartAccel:
         """mask: bool, one a triangle; the others as Accel, MovingAccel and CopiedAccel have them"""
         self.rows = None
         if copies is not None:
-            self.accel = CopiedAccel(mesh, copies, mask, cancelled, opacity)
+            own = copies, mask, cancelled, opacity
+            still = motion is None
+            self.accel = CopiedAccel(mesh, *own) if still else MovingCopies(mesh, motion, *own)
             return
         self.rows = None if mask.all() else np.flatnonzero(mask).astype(np.int32)
         if self.rows is not None:
-            mesh = TriangleMesh(
-                vertices=mesh.vertices,
-                triangles=mesh.triangles[self.rows],
-                corner_normals=mesh.corner_normals[self.rows],
-                material_index=mesh.material_index[self.rows],
-                object_index=mesh.object_index[self.rows],
-            )
+            mesh = among(mesh, self.rows)
             if opacity is not None:
                 opacity = opacity._replace(row=opacity.row[self.rows])
             if motion is not None:

@@ -42,9 +42,9 @@ def export_in_motion(engine, depsgraph, warnings: list[str], export: Callable[..
         return export(geometry=[])
     begin = len(warnings)
     found = _in_motion(engine, depsgraph, warnings, export)
-    if found.copies is None or found.motion is None:
+    if found.copies is None or not found.copies.move(found.motion, found.mesh.object_index):
         return found
-    del warnings[begin:]  # either is Embree's instances: nothing is a copy where anything moves
+    del warnings[begin:]  # what moves must not be a copy
     whole = functools.partial(export, written_out=True)
     return _in_motion(engine, depsgraph, warnings, whole)
 

@@ -10,9 +10,11 @@ from iwis.core.copied_accel import CopiedAccel
 from iwis.core.copied_rows import CopiedRows, written_out
 from iwis.core.copies import Copies
 from iwis.core.embree_instances import can_copy
+from iwis.core.object_motion import ObjectMotion
 from iwis.core.pixel_view import look_at_pixel
 from iwis.core.progressive import Pace, render_progressive
 from iwis.core.render_cache import RenderCache
+from iwis.core.scene import CAMERA_RAYS, SHADOW_RAYS
 from iwis.core.settings import RenderSettings
 from iwis.core.watch import StopFlag
 from support.scenes import (
@@ -221,3 +223,24 @@ def test_every_rule_finds_copies_where_they_are(stop_rule, pixel_filter):
         np.testing.assert_allclose(ours[name], expected[name], rtol=1e-4, atol=2e-3)
     mean = expected["combined"].mean()
     np.testing.assert_allclose(ours["combined"].mean(), mean, rtol=3e-3)  # counts differ a little
+
+
+@pytest.mark.parametrize(("moves", "links"), [(0, False), (0, True), (7, False)])
+def test_the_shutter_may_be_open(moves, links):
+    """While the floor moves (0), also where rays see different hierarchies, or a copy does (7)."""
+    scene = copied_scene()
+    times = (np.arange(8) + 0.5) / 8
+    matrices = np.tile(np.eye(4), (8, 1, 1, 1))
+    matrices[:, 0, 2, 3] = 0.2 * times
+    motion = ObjectMotion(np.array([moves], np.int32), times, matrices)
+    scene = dataclasses.replace(scene, motion=motion)
+    if links:
+        flags = np.full(len(scene.object_pass_index), CAMERA_RAYS | SHADOW_RAYS, np.uint8)
+        flags[0] = CAMERA_RAYS
+        scene = dataclasses.replace(scene, object_flags=flags)
+    assert scene.copies.move(motion, scene.mesh.object_index) == (moves == 7)
+    own = {"max_samples": 32, "stop_rule": "FIXED", "pixel_filter": "BLACKMAN_HARRIS"}
+    ours, expected = (make_picture(one, **own)[0] for one in (scene, written_out(scene)))
+    for name in ("object_index", "depth", "normal", "combined"):
+        off = np.abs(ours[name] - expected[name]) > 1e-3 * np.abs(expected[name]) + 1e-4
+        assert off.any(axis=2).mean() < 0.01, name

@@ -220,3 +220,14 @@ def test_moving_objects_without_a_triangle_are_no_trouble():
     assert MovingAccel(mesh, shift).at(3).intersect(origins, directions)[0][0] >= 0
     gone = shift._replace(objects=np.array([5, 6], np.int32))
     assert MovingAccel(mesh, gone).at(3).intersect(origins, directions)[0][0] >= 0
+
+
+def test_objects_that_no_ray_sees_may_move_alone(moving_room):
+    """The camera sees no triangle, and lamps' shadow rays none either: both are empty parts."""
+    flags = np.zeros(len(moving_room.object_pass_index), np.uint8)
+    layers, _ = make_picture(
+        dataclasses.replace(moving_room, object_flags=flags),
+        max_samples=8,
+        pixel_filter="BLACKMAN_HARRIS",
+    )
+    assert not layers["samples"].any()
