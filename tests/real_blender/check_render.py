@@ -16,6 +16,7 @@ SMALL = "import bpy; s = bpy.context.scene; s.render.resolution_percentage = 25"
 OWN_FLAGS = ("use_pass_error", "use_pass_unoccluded", "use_pass_visibility")
 ALL_PASSES = "".join(f"; s.view_layers[0].iwis.{flag} = True" for flag in OWN_FLAGS)
 NO_CAMERA = "import bpy; bpy.context.scene.camera = None"
+NO_PIXELS = "import bpy; r = bpy.context.scene.render; r.use_border, r.border_max_x = True, 0.0"
 OWN_PASSES = ("IWIS Samples", "IWIS Error", "IWIS Unoccluded", "IWIS Visibility")
 
 
@@ -55,6 +56,13 @@ def main() -> None:
         check_layers(folder / "out_0001.exr")
         blender.run(*arguments, "--python-expr", NO_CAMERA, "-f", "2", expected_code=1)
         check(not (folder / "out_0002.exr").exists(), "without a camera: exit code 1 and no file")
+        (folder / "out_0003.exr").symlink_to("/dev/full")
+        text = blender.run(*arguments, "--python-expr", SMALL, "-f", "3", expected_code=1)
+        check(
+            "out_0003.exr: is cut short" in text, "on a full disk: exit code 1 and the file's name"
+        )
+        text = blender.run(*arguments, "--python-expr", NO_PIXELS, "-f", "4", expected_code=1)
+        check("the picture has no pixels" in text, "without a pixel: exit code 1 and why")
         check_operators(blender, folder)
         install(blender, package)
         check("IWIS" in blender.engines(), "installed over itself, as an upgrade is")
