@@ -167,7 +167,20 @@ class _MeshReader:
         if attribute.domain == "FACE":
             polygons = _get(self._mesh.loop_triangles, "polygon_index", 1, np.int32)[:, 0]
             return np.repeat(values[polygons][:, None], 3, 1)
-        return None
+        return self._of_points(self._mean_of_edges(values, attribute.data_type))
+
+    def _mean_of_edges(self, values, kind) -> np.ndarray:
+        """What vertices have of their edges, as Blender brings it there: the mean, rounded
+        where it is whole, of truth any."""
+        ends, n = _get(self._mesh.edges, "vertices", 2, np.int32).T, len(self._mesh.vertices)
+        at, twice = ends.ravel(), np.tile(values.reshape(len(values), -1), (2, 1))
+        sums = np.stack([np.bincount(at, column, n) for column in twice.T], -1)
+        means = sums / np.maximum(np.bincount(at, minlength=n), 1)[:, None]
+        if kind == "BOOLEAN":
+            means = sums > 0.0
+        elif kind.startswith("INT"):
+            means = np.floor(means + 0.5)
+        return means.reshape(n, *values.shape[1:]).astype(np.float32)
 
     def _generated(self, _):
         mesh = self._mesh

@@ -166,3 +166,23 @@ lit(
     "Bump without a height",
     lambda t: t.made("ShaderNodeBsdfDiffuse", 0, {"Normal": t.made("ShaderNodeBump", 0)}),
 )
+
+
+def _of_edges(kind, field):
+    """An attribute of the edges of all meshes, which vertices have the mean of."""
+
+    def build(scene, tree):
+        for obj in scene.objects:
+            if obj.type == "MESH":
+                own = obj.data.attributes.new("Edges", kind, "EDGE")
+                for k, value in enumerate(own.data):
+                    new = (k % 3 / 2, k % 5 / 4, k % 7 / 6)
+                    setattr(value, field, new if field == "vector" else k % 3 % 2)
+        output = "Vector" if field == "vector" else "Fac"
+        tree.glow(tree.made("ShaderNodeAttribute", output, attribute_name="Edges"))
+
+    CASES.append(Case(f"Attribute of edges, {kind}", build))
+
+
+for _kind, _field in (("FLOAT_VECTOR", "vector"), ("INT", "value"), ("BOOLEAN", "value")):
+    _of_edges(_kind, _field)
