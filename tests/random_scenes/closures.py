@@ -28,6 +28,9 @@ def _normal(dice, tree):
         return {}
     if dice.chance(0.3):
         return {"Normal": _mapped(dice, tree)}
+    if dice.chance(0.15):
+        dice.tell("bevel")
+        return {"Normal": tree.made("ShaderNodeBevel", 0, {"Radius": dice.between(0.02, 0.1)})}
     height = values.number(dice, tree, depth=2)
     bump = {"Height": height, "Strength": dice.between(0.1, 0.7), "Distance": 0.1}
     return {"Normal": tree.made("ShaderNodeBump", 0, bump, invert=dice.chance(0.3))}
@@ -37,8 +40,11 @@ def _mapped(dice, tree):
     """A normal map of one slant: a strong one is bent back by each engine in its way."""
     dice.tell("normal map")
     slant = (dice.between(0.4, 0.6), dice.between(0.4, 0.6), 1.0)
-    inputs = {"Color": slant, "Strength": dice.edge(0.0, 1.0)}
-    return tree.made("ShaderNodeNormalMap", 0, inputs, space="TANGENT")
+    space = dice.of("TANGENT", "TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT")
+    # In the other spaces it leads away from most of the surface.
+    strength = dice.edge(0.0, 1.0 if space == "TANGENT" else 0.2)
+    inputs = {"Color": slant, "Strength": strength}
+    return tree.made("ShaderNodeNormalMap", 0, inputs, space=space)
 
 
 def _tangent(dice, tree):

@@ -121,6 +121,8 @@ def add_copies(dice: Dice, obj) -> None:
             empty.rotation_euler = dice.vector(-1.0, 1.0)
             _looks(dice, empty)
             scene.collection.objects.link(empty)
+        if dice.chance(0.4):
+            _nest(dice, empty)
         return
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=1, radius=0.9, location=obj.location)
     parent = bpy.context.object
@@ -136,6 +138,19 @@ def add_copies(dice: Dice, obj) -> None:
     else:
         obj.parent, parent.instance_type = parent, kind
         obj.location, obj.scale = (0.0, 0.0, 0.0), (0.2, 0.2, 0.2)
+
+
+def _nest(dice: Dice, inner) -> None:
+    """Put an empty that shows a collection into one that another empty shows."""
+    dice.tell("nested")
+    group = bpy.data.collections.new("Outer")
+    group.objects.link(inner)
+    outer = bpy.data.objects.new("Nest", None)
+    outer.instance_type, outer.instance_collection = "COLLECTION", group
+    outer.location, outer.scale = dice.vector(-0.8, 0.8), dice.vector(0.5, 1.2)
+    outer.rotation_euler = dice.vector(-1.0, 1.0)
+    _looks(dice, outer)
+    bpy.context.scene.collection.objects.link(outer)
 
 
 def _instance_nodes(dice: Dice, parent, obj) -> None:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import bpy
+from parity.value_cases import BLENDS
 
 from . import attributes, nodes
 from .dice import Dice
+
+_SPACES = "Linear Rec.709", "Display P3", "Rec.1886", "Linear Rec.2020"
 
 
 def number(dice: Dice, tree, low=0.0, high=1.0, depth=1):
@@ -20,9 +23,8 @@ def color(dice: Dice, tree, depth=2):
     """A colour."""
     if depth <= 0 or dice.chance(0.3):
         return dice.color()
-    return dice.of(_texture, _texture, _image, _mixed, _changed, _ramp, _of_object)(
-        dice, tree, depth
-    )
+    kinds = _texture, _texture, _image, _image, _mixed, _changed, _ramp, _of_object, _grouped
+    return dice.of(*kinds)(dice, tree, depth)
 
 
 def place(dice: Dice, tree):
@@ -88,20 +90,28 @@ def _texture(dice, tree, depth):
 
 def _image(dice, tree, depth):
     height, width = dice.whole(4, 24), dice.whole(4, 24)
-    image = bpy.data.images.new("I", width, height, float_buffer=dice.chance(0.5))
-    image.pixels.foreach_set(dice.pixels(height, width).ravel())
+    image = bpy.data.images.new("I", width, height, alpha=True, float_buffer=dice.chance(0.5))
+    image.colorspace_settings.name = dice.of("sRGB", "sRGB", "Non-Color", *_SPACES)
+    pixels = dice.pixels(height, width)
+    if dice.chance(0.4):
+        # Not 0: Blender 4.5 divides packed channels by it.
+        pixels[..., 3] = 0.3 + 0.5 * pixels[::-1, :, 0].clip(0.0, 1.0)
+        image.alpha_mode = dice.of("STRAIGHT", "PREMUL", "CHANNEL_PACKED", "NONE")
+        dice.tell(f"image {image.alpha_mode.lower()} {image.colorspace_settings.name}")
+    image.pixels.foreach_set(pixels.ravel())
     image.pack()
     settings = {
         "interpolation": dice.of("Linear", "Closest", "Cubic"),
         "extension": dice.of("REPEAT", "EXTEND", "CLIP", "MIRROR"),
         "projection": dice.of("FLAT", "FLAT", "BOX", "SPHERE", "TUBE"),
+        "projection_blend": dice.edge(0.0, 1.0) if dice.chance(0.4) else 0.0,
     }
     return tree.made("ShaderNodeTexImage", 0, {0: place(dice, tree)}, image=image, **settings)
 
 
 def _mixed(dice, tree, depth):
-    kinds = ("MIX", "MULTIPLY", "SCREEN", "OVERLAY", "DARKEN", "LIGHTEN", "HUE", "SOFT_LIGHT")
-    settings = {"data_type": "RGBA", "blend_type": dice.of(*kinds), "clamp_result": True}
+    settings = {"data_type": "RGBA", "blend_type": dice.of(*BLENDS), "clamp_result": True}
+    settings["clamp_factor"] = dice.chance(0.8)
     inputs = {
         "Factor_Float": number(dice, tree, depth=depth - 1),
         "A_Color": color(dice, tree, depth - 1),
@@ -120,13 +130,58 @@ def _changed(dice, tree, depth):
         inputs["Gamma"] = dice.between(0.5, 2.5)
     elif kind == "BrightContrast":
         inputs |= {"Bright": dice.between(0.0, 0.3), "Contrast": dice.between(-0.2, 0.2)}
-    return tree.made(f"ShaderNode{kind}", "Color", inputs)
+    made = tree.made(f"ShaderNode{kind}", "Color", inputs)
+    if kind == "RGBCurve":
+        _bend(dice, made.node.mapping)
+    return made
+
+
+def _bend(dice, mapping):
+    """Turn the curves of a node, some of them sharply, within 0 to 1."""
+    for curve in mapping.curves:
+        curve.points.new(dice.between(0.1, 0.9), dice.between(0.1, 0.9))
+        for point in curve.points:
+            point.handle_type = dice.of("AUTO", "AUTO_CLAMPED", "VECTOR")
+    mapping.extend = dice.of("HORIZONTAL", "EXTRAPOLATED")
+    mapping.update()
+
+
+def _grouped(dice, tree, depth):
+    """A colour by a group in a group."""
+    dice.tell("groups")
+    inner = _group("Inner")
+    given, out = inner.nodes.new("NodeGroupInput"), inner.nodes.new("NodeGroupOutput")
+    changed = inner.nodes.new("ShaderNodeHueSaturation")
+    changed.inputs["Hue"].default_value = dice.between(0.2, 0.8)
+    inner.links.new(given.outputs[0], changed.inputs["Color"])
+    inner.links.new(changed.outputs[0], out.inputs[0])
+    outer = _group("Outer")
+    given, out = outer.nodes.new("NodeGroupInput"), outer.nodes.new("NodeGroupOutput")
+    made = outer.nodes.new("ShaderNodeGroup")
+    made.node_tree = inner
+    outer.links.new(given.outputs[0], made.inputs[0])
+    outer.links.new(made.outputs[0], out.inputs[0])
+    node = tree.node("ShaderNodeGroup")
+    node.node_tree = outer
+    tree.link(color(dice, tree, depth - 1), node.inputs[0])
+    return node.outputs[0]
+
+
+def _group(name):
+    """A group of one colour in, one out."""
+    group = bpy.data.node_groups.new(name, "ShaderNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Color", in_out=way, socket_type="NodeSocketColor")
+    return group
 
 
 def _ramp(dice, tree, depth):
     node = tree.node("ShaderNodeValToRGB")
     ramp = node.color_ramp
-    ramp.interpolation = dice.of("LINEAR", "EASE", "CONSTANT", "B_SPLINE")
+    ramp.interpolation = dice.of("LINEAR", "EASE", "CONSTANT", "B_SPLINE", "CARDINAL")
+    if dice.chance(0.3):
+        ramp.color_mode = dice.of("HSV", "HSL")
+        ramp.hue_interpolation = dice.of("NEAR", "FAR", "CW", "CCW")
     for element in (*ramp.elements, ramp.elements.new(dice.between(0.2, 0.8))):
         element.color = (*dice.color(), 1.0)
     tree.link(_factor(dice, tree, depth), node.inputs[0])
