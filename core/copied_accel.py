@@ -154,6 +154,8 @@ class CopiedAccel(Accel):
 
     def as_triangles(self, face, u, v, instance, slots=None):
         """See Accel."""
+        if not self._parts:
+            return face, u, v
         number = np.empty(len(face), np.int32)
         _count_from_the_first(face, instance, self._array.part_of, self._begin, self._copy, number)
         count_as_triangles(self._first, self._turn, face, u, v)

@@ -7,8 +7,10 @@ that belongs to the ray, until its thread looks through the next pixels.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import threading
+import time
 
 import numpy as np
 
@@ -22,6 +24,7 @@ from .settings import RenderSettings
 _PASSES, _BEYOND = 8, 18
 # Rays that are asked at once for something else than a picture: near_rays.py.
 _OTHERS = 1 << 18
+_TRIES, _TRY_SECONDS = 1000, 0.01
 _ONE, _TINY = np.float32(1.0), np.float32(1e-30)
 
 
@@ -29,10 +32,19 @@ class _Share:
     """The rows that one thread writes to: they are free again when it ends."""
 
     def __init__(self, free: list[int]):
-        self._free, self.number, self.next = free, free.pop(), 0
+        self._free, self.number, self.next = free, _taken(free), 0
 
     def __del__(self):
         self._free.append(self.number)
+
+
+def _taken(free: list[int]) -> int:
+    """One of the free shares; the next threads may begin before the last ones have quite ended."""
+    for _ in range(_TRIES):
+        with contextlib.suppress(IndexError):
+            return free.pop()
+        time.sleep(_TRY_SECONDS)
+    raise RuntimeError("more threads ask for rows of copies than there are shares")
 
 
 class CopiedRows:

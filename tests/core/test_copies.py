@@ -10,6 +10,7 @@ from iwis.core.copied_accel import CopiedAccel
 from iwis.core.copied_rows import CopiedRows, written_out
 from iwis.core.copies import Copies
 from iwis.core.embree_instances import can_copy
+from iwis.core.moving_copies import MovingCopies
 from iwis.core.object_motion import ObjectMotion
 from iwis.core.pixel_view import look_at_pixel
 from iwis.core.progressive import Pace, render_progressive
@@ -156,6 +157,15 @@ def test_threads_that_have_ended_give_their_rows_back():
         thread.join()
     assert len(found) == 6
     table.slots(8)
+    late, held = [], threading.Event()
+    first = threading.Thread(target=lambda: (late.append(table.slots(8)), held.wait()))
+    first.start()
+    second = threading.Thread(target=lambda: late.append(table.slots(8)))
+    second.start()  # finds no share until the first one has ended
+    held.set()
+    first.join()
+    second.join()
+    assert len(late) == 2
     with pytest.raises(ValueError, match="rays look at once"):
         table.slots(1 << 30)
 
@@ -175,16 +185,6 @@ def test_hierarchies_are_kept_where_copies_alone_have_moved():
     others = moved.copies._replace(end=moved.copies.end - np.int64([2, 0]))
     third = cache.rays(dataclasses.replace(scene, copies=others))
     assert third._parts is not first._parts
-
-
-def test_nothing_is_left_where_all_rays_look_past_the_originals():
-    scene = copied_scene()
-    mask = scene.mesh.object_index == 0
-    accel = CopiedAccel(scene.mesh, scene.copies, mask)
-    rays = accel.with_rows(CopiedRows(scene, RenderSettings(), 1))
-    down = np.float32([[0.0, 0.0, -1.0]])
-    hit, _, _ = rays.intersect(np.float32([[0.6, 0.6, 5.0]]), down, rays.slots(1))
-    assert scene.mesh.object_index[hit[0]] == 0
 
 
 @pytest.mark.parametrize("pixel_filter", ["CENTER", "BLACKMAN_HARRIS"])
@@ -223,6 +223,22 @@ def test_every_rule_finds_copies_where_they_are(stop_rule, pixel_filter):
         np.testing.assert_allclose(ours[name], expected[name], rtol=1e-4, atol=2e-3)
     mean = expected["combined"].mean()
     np.testing.assert_allclose(ours["combined"].mean(), mean, rtol=3e-3)  # counts differ a little
+
+
+def test_a_part_without_copies_is_no_trouble():
+    """Nor is one without anything."""
+    scene = copied_scene()
+    motion = ObjectMotion(np.zeros(1, np.int32), np.array([0.5]), np.eye(4)[None, None])
+    for mask in (scene.mesh.object_index == 0, scene.mesh.object_index > 5):
+        for accel in (
+            CopiedAccel(scene.mesh, scene.copies, mask),
+            MovingCopies(scene.mesh, motion, scene.copies, mask),
+        ):
+            rays = accel.with_rows(CopiedRows(scene, RenderSettings(), 1))
+            down = np.float32([[0.0, 0.0, -1.0]])
+            hit, _, _ = rays.intersect(np.float32([[0.6, 0.6, 5.0]]), down, rays.slots(1))
+            assert (hit[0] >= 0) == mask.any()
+            assert rays.occluded(np.float32([[0.6, 0.6, 5.0]]), down)[0] == mask.any()
 
 
 @pytest.mark.parametrize(("moves", "links"), [(0, False), (0, True), (7, False)])
