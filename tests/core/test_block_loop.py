@@ -27,6 +27,7 @@ def _layers(by_rays, work=CenterTile, world=None, **settings):
     return tile.develop().layers, tile.counts()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", ["FIXED", "PAPER", "PERCEPTUAL"])
 @pytest.mark.parametrize("work", [CenterTile, FilteredTile])
 def test_both_loops_make_the_same_picture(work, rule):

@@ -187,6 +187,7 @@ def test_rays_of_all_directions_start_aside(ball, rng):
         assert not accel.occluded(outside.astype(np.float32), directions).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("again", [True, False])
 def test_closed_ball_is_dark_within(monkeypatch, again):
     """Six million rays from within a fine ball, under a bright sky; without a second question some

@@ -41,6 +41,7 @@ def test_unbiased_shows_the_albedo(shape):
     np.testing.assert_allclose(mean, ALBEDO, atol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["plane", "sphere"])
 @pytest.mark.parametrize(("coefficients", "tolerance"), [(1.0, 1e-3), (0.05, 3e-3)])
 def test_paper_shows_the_albedo(shape, coefficients, tolerance, table_dir):

@@ -70,6 +70,7 @@ def test_no_horizon_of_those_that_share_is_dark(look, rng):
     assert (alone.pdf(low) == 0.0).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("apart", [NEARLY_ALIKE, ALIKE])
 @pytest.mark.parametrize("parameters", [{"metallic": 0.0}, {"metallic": 1.0, "roughness": 0.3}])
 def test_products_come_from_points_that_are_alike(apart, parameters, rng):

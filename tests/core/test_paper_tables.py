@@ -114,6 +114,7 @@ def test_colours_share_tables(table_dir):
     assert len(_tables(TableBuilder(), table_dir, *three).brdf.root) == 1 + 3 * SLICES
 
 
+@pytest.mark.slow
 def test_unwritable_cache_folder_is_a_warning_and_a_picture(tmp_path):
     """A file stands where the folder should be: named once, with what to do; the picture comes."""
     blocked = tmp_path / "cache"

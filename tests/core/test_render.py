@@ -172,6 +172,7 @@ def test_statistics_count_what_was_done(table_dir):
     assert stats.seconds["sampling"] > 0.0
 
 
+@pytest.mark.slow
 def test_prepared_tables_are_those_of_the_render(table_dir, tmp_path):
     """A farm's first job: the render after it reads all and writes none."""
     scene = make_scene([floor()], [diffuse()], gradient_world(), camera_above(4, 4))

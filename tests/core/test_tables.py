@@ -37,6 +37,7 @@ def test_cell_samples_stand_for_their_cells():
     np.testing.assert_allclose(cell_samples(3), by_cell, atol=1e-7)  # float32
 
 
+@pytest.mark.slow
 def test_light_table_holds_each_hemispheres_light(rng):
     """The means of slices are the light round their normals; cells are the light from there."""
     lookup = make_lookup(gradient_world())
