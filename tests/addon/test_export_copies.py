@@ -186,6 +186,20 @@ def test_those_that_rays_see_otherwise_are_written_out_alone(above):
     assert len(np.unique(found.mesh.object_index)) == 1 + 3  # and the floor
 
 
+def test_copies_of_what_has_no_area_are_nothing(above):
+    """With others beside them, and alone."""
+    scene, objects = above
+    mesh = objects[0].data
+    mesh.vertices.foreach_set("co", np.zeros(3 * len(mesh.vertices), np.float32))
+    mesh.update()
+    bpy.context.view_layer.update()
+    found = export()
+    assert found.copies is None and len(found.mesh.triangles) == 2
+    bpy.data.objects.remove(scene.objects["Floor"])
+    assert len(export().mesh.triangles) == 0
+    assert not picture(export())["samples"].any()
+
+
 def test_the_mesh_table_is_kept_while_copies_stand_still(above):
     _, objects = above
     cache = ExportCache()
