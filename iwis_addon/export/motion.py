@@ -67,7 +67,9 @@ def _in_motion(engine, depsgraph, warnings: list[str], export: Callable[..., Sce
     finally:
         go_to(engine, now)
     times = shutter_times(render)
-    moved, still = object_motion(geometry[0].inventory.instances, objects, times, shapes.tables())
+    copies = 0 if exported.copies is None else len(exported.copies.objects)
+    own = geometry[0].inventory.instances, objects, times, shapes.tables()
+    moved, still = object_motion(*own, copies)
     _tell(depsgraph.scene_eval, still, warnings)
     warnings.extend(shapes.lines(depsgraph.scene_eval.name))
     motion = _as_table(*camera, times, keep=moved is not None)

@@ -19,6 +19,7 @@ from .parts import WITH_SURFACE
 # Slices of the shutter's time; fewer where so many move that Embree's instances would take hundreds
 # of megabytes (1 kB each).
 _SLICES, _LEAST_SLICES, _MOST_PLACES = 64, 8, 1 << 18
+_COPIES_OF_A_PLACE = 5  # that stand still take as much in a slice's hierarchy (190 bytes each)
 
 
 class Key(NamedTuple):
@@ -83,10 +84,11 @@ def object_motion(
     motions: Motions,
     times: np.ndarray,
     shapes: tuple[Shapes, ...] = (),
+    copies: int = 0,
 ) -> tuple[ObjectMotion | None, list[str]]:
     """The motion of a scene's instances, and names of those that move but cannot be blurred.
 
-    times: of CameraMotion; shapes: of ObjectMotion
+    times: of CameraMotion; shapes: of ObjectMotion; copies: of Scene.copies, which stand still
     """
     rows, paths, still = [], [], []
     for row, instance in enumerate(instances):
@@ -105,8 +107,8 @@ def object_motion(
             paths.append(path)
     if not rows and not shapes:
         return None, still
-    k = _SLICES
-    while k > _LEAST_SLICES and k * len(rows) > _MOST_PLACES:
+    k, places = _SLICES, len(rows) + copies // _COPIES_OF_A_PLACE
+    while rows and k > _LEAST_SLICES and k * places > _MOST_PLACES:
         k //= 2
     bright = (np.arange(k) + 0.5) / k
     when = np.interp(bright, np.linspace(0.0, 1.0, len(times)), times)

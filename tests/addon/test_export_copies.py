@@ -8,7 +8,7 @@ from iwis.core.copied_rows import written_out
 from iwis.core.film import Film
 from iwis.core.render import render
 from iwis.core.settings import RenderSettings
-from iwis.iwis_addon.export import ExportCache, LiveExport, copied, export_scene
+from iwis.iwis_addon.export import ExportCache, LiveExport, copied, export_scene, object_motion
 from support.above import add_mesh, look_from_above
 from support.frames import exported_in_motion
 
@@ -184,6 +184,20 @@ def test_those_that_rays_see_otherwise_are_written_out_alone(above):
     found = export()
     assert len(found.copies.objects) == len(objects) - 3
     assert len(np.unique(found.mesh.object_index)) == 1 + 3  # and the floor
+
+
+def test_many_copies_beside_what_moves_leave_fewer_slices(above, monkeypatch):
+    """Each slice has a hierarchy over all of them."""
+    scene, _ = above
+    scene.render.use_motion_blur = True
+    floor = scene.objects["Floor"]
+    for frame, height in ((0, 0.0), (2, -1.0)):
+        floor.location.z = height
+        floor.keyframe_insert("location", frame=frame)
+    scene.frame_set(1)
+    assert len(exported_in_motion()[0].motion.times) == 64
+    monkeypatch.setattr(object_motion, "_MOST_PLACES", 64)  # one moves, and eleven stand
+    assert len(exported_in_motion()[0].motion.times) == 16
 
 
 def test_copies_of_what_has_no_area_are_nothing(above):
