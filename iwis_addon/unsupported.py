@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import bpy
-
 from .export.node_values import NodeReader
 from .export.program_builder import ProgramBuilder
 from .export.program_images import ImageStore
+from .export.seen_tree import seen_tree
 from .export.shader_reader import ShaderReader
 
 _TYPES = ("RGBA", "VALUE", "INT", "BOOLEAN", "VECTOR")
@@ -51,14 +50,16 @@ class _Builder(ProgramBuilder):
 
 
 def unsupported_of(material) -> list[Unsupported]:
-    """Each output once, in the order in which the export meets them."""
-    if material is None or material.node_tree is None:
+    """Each output once, in the order in which the export meets them, in the user's own tree: where
+    something of what it comes to is not known, zones and menus are not either."""
+    seen = None if material is None else seen_tree(material)
+    if seen is None or seen.output is None or not _unread(material, seen.output):
         return []
-    if bpy.app.version < (5, 0) and not material.use_nodes:
-        return []
-    output = material.node_tree.get_output_node("CYCLES")
-    if output is None:
-        return []
+    return _unread(material, material.node_tree.get_output_node("CYCLES"))
+
+
+def _unread(material, output) -> list[Unsupported]:
+    """Those of one tree. output: its Material Output"""
     reader = _Reader(material.name)
     builder = _Builder(reader)
     ShaderReader(builder).read(output.inputs["Surface"])

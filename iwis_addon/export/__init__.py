@@ -152,15 +152,22 @@ class _Shading:
         self._found = None
 
     def of(self, materials: list, users: list[list[str]]):
-        """What _export_materials gives; once, whoever asks again."""
+        """What _export gives; once, whoever asks again."""
         if self._found is None:
             self._found = self._keep(
                 "materials",
                 materials,
                 self._warnings,
-                lambda lines: _export_materials(materials, users, self._texels, lines),
+                lambda lines: self._export(materials, users, lines),
             )
         return self._found
+
+    def _export(self, materials: list, users: list[list[str]], lines: list[str]):
+        """(MaterialExport, MeasuredBrdfs or None) of the materials of a mesh table."""
+        own = users, self._texels, self._depsgraph
+        found = export_shaders(without_measured(materials), lines, *own)
+        params, index, measured = add_measured(materials, found.params, found.pass_index, users)
+        return found._replace(params=params, pass_index=index), measured
 
     def materials_of(self, materials: list, users: list[list[str]]) -> MaterialExport:
         """Of export_mesh."""
@@ -212,13 +219,6 @@ def _tell(geometry: MeshExport, rows: list[int], text: str, warnings: list[str])
 def film_exposure(scene) -> float:
     """It belongs to Cycles' settings, there as long as its add-on is enabled."""
     return scene.cycles.film_exposure if hasattr(scene, "cycles") else 1.0
-
-
-def _export_materials(materials: list, users: list[list[str]], texels, warnings: list[str]):
-    """(MaterialExport, MeasuredBrdfs or None) of the materials of a mesh table."""
-    found = export_shaders(without_measured(materials), warnings, users, texels)
-    params, index, measured = add_measured(materials, found.params, found.pass_index, users)
-    return found._replace(params=params, pass_index=index), measured
 
 
 def _surface(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import bpy
 import numpy as np
 
 from ...core.program import Aov, Program, WorldProgram
@@ -12,6 +11,7 @@ from ..passes import aov_layer, wanted_aovs
 from .node_values import NodeReader
 from .program_builder import ProgramBuilder
 from .program_images import ImageStore
+from .seen_tree import seen_tree
 from .texel_cache import TexelCache
 from .world import world_of
 from .world_builder import WorldBuilder, WorldReader
@@ -46,7 +46,7 @@ def export_aovs(
         return no_aovs(materials)
     names, images = {aov.name for aov in wanted}, ImageStore(texel_cache)
     found = [
-        _written(material, names, NodeReader(_name(material), who, warnings), images)
+        _written(material, names, NodeReader(_name(material), who, warnings), images, depsgraph)
         for material, who in zip(materials, users, strict=True)
     ]
     cache = texel_cache or TexelCache()
@@ -85,24 +85,23 @@ def _of_world(world: _Written | None, name: str, socket: int) -> WorldProgram | 
     return WorldProgram(program=world.program, value=value, strength=np.ones(3, np.float32))
 
 
-def _written(material, names: set[str], reader: NodeReader, images) -> _Written | None:
+def _written(material, names: set[str], reader, images, depsgraph) -> _Written | None:
     """None: the material has no node for any of the names."""
-    uses_nodes = material is not None and (bpy.app.version >= (5, 0) or material.use_nodes)
-    if not uses_nodes or material.node_tree is None:
+    seen = None if material is None else seen_tree(material)
+    if seen is None:
         return None
-    return _written_by(material.node_tree, ProgramBuilder(reader, images), names)
+    return _written_by(seen.tree, ProgramBuilder(reader, images, depsgraph), names)
 
 
 def _written_by_world(depsgraph, names, warnings, images, cache) -> _Written | None:
     """The same of the world, as the camera sees it."""
     world = world_of(depsgraph)
-    if world is None or world.node_tree is None:
-        return None
-    if bpy.app.version < (5, 0) and not world.use_nodes:
+    seen = None if world is None else seen_tree(world)
+    if seen is None:
         return None
     reader = WorldReader(world, warnings)
     builder = WorldBuilder(reader, images, depsgraph, CAMERA_RAYS, cache)
-    return _written_by(world.node_tree, builder, names)
+    return _written_by(seen.tree, builder, names)
 
 
 def _written_by(tree, builder: ProgramBuilder, names: set[str]) -> _Written | None:

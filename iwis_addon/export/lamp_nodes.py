@@ -40,7 +40,7 @@ class _LampBuilder(ProgramBuilder):
     """
 
     def __init__(self, reader, images, asked: Asked, layer: tuple):
-        super().__init__(reader, images)
+        super().__init__(reader, images, layer[1])
         self._asked, self._layer = asked, layer
 
     def _made(self, node, groups):

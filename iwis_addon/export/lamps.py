@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 
-import bpy
 import numpy as np
 
 from ...core.lamps import (
@@ -30,6 +29,7 @@ from ...core.nodes.typical import mean_value
 from .lamp_nodes import LampLight, LampReader, read_light
 from .lamp_pictures import asks_for_place, color_of, ops_of, places_of
 from .object_properties import Asked
+from .seen_tree import seen_tree
 from .surface_parts import is_constant
 
 _ONE_WAY = "its nodes vary with the direction, which a sun or a beam has one of: mean"
@@ -52,9 +52,9 @@ def read_lamp(asked: Asked, matrix_world, warnings: list[str], images, layer) ->
     strength = np.array(light.color, np.float64) * light.energy * 2.0**light.exposure
     if light.use_temperature:
         strength *= np.array(light.temperature_color)
-    # Blender 5 always uses nodes and warns who asks.
-    if light.node_tree is not None and (bpy.app.version >= (5, 0) or light.use_nodes):
-        own = read_light(light.node_tree, nodes, images, asked, layer)
+    seen = seen_tree(light)
+    if seen is not None:
+        own = read_light(seen.tree, nodes, images, asked, layer)
         if own is None:
             return None
         if is_constant(own.value):

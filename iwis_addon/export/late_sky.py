@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .seen_tree import name_of
 from .sky import Launch, Skies, SkyError, SkyWanted, kept_sky, remember, render_sky
 
 # How long a slider has not moved when it rests; how long one that never rests is waited for.
@@ -57,11 +58,11 @@ class LateSkies(Skies):
             if sky is None:
                 if wanted.key != self._newest:
                     self._newest, self._asked_at = wanted.key, time.monotonic()
-                self._wanted[wanted.key] = wanted, node.name
+                self._wanted[wanted.key] = wanted, name_of(node)
                 self._start()
-                return self._shown.get(node.name)
+                return self._shown.get(name_of(node))
             self._rendered.pop(wanted.key, None)
-            self._shown[node.name] = sky
+            self._shown[name_of(node)] = sky
         return sky
 
     def take(self) -> bool:

@@ -85,11 +85,12 @@ def _may_change_shading(update) -> bool:
 
 
 def _scene_is_asked() -> bool:
-    """Whether an Attribute node reads from the scene, such as its frame."""
+    """Whether a node reads from the scene, such as its frame."""
     owners = [*bpy.data.materials, *bpy.data.worlds]
     trees = [*bpy.data.node_groups, *(each.node_tree for each in owners if each.node_tree)]
     return any(
-        node.bl_idname == "ShaderNodeAttribute" and node.attribute_type == "VIEW_LAYER"
+        node.bl_idname == "GeometryNodeInputSceneTime"
+        or (node.bl_idname == "ShaderNodeAttribute" and node.attribute_type == "VIEW_LAYER")
         for tree in trees
         for node in tree.nodes
     )

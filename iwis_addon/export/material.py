@@ -34,6 +34,7 @@ from .displacement import DisplacementRead, read_displacement
 from .node_values import NodeReader, follow
 from .program_builder import ProgramBuilder
 from .program_images import ImageStore
+from .seen_tree import seen_tree
 from .shader_reader import ShaderReader
 from .surface_parts import SurfaceParts, is_constant, is_plain_diffuse
 
@@ -97,18 +98,19 @@ def export_shaders(
     warnings: list[str],
     users: list[list[str]] | None = None,
     texel_cache=None,
+    depsgraph=None,
 ) -> MaterialExport:
     """The table of materials and their programs.
 
     materials: bpy materials, evaluated or not; None is a slot left empty
     warnings: gets a line for all that is rendered otherwise than Cycles would
     users: names of the objects that have each material, for these lines
-    texel_cache: the TexelCache of the job
+    texel_cache: the TexelCache of the job; depsgraph: whose scene's time nodes ask for
     """
     users = users or [[]] * len(materials)
     images = ImageStore(texel_cache)
     found = [
-        _surface_of(material, names, warnings, images)
+        _surface_of(material, names, warnings, images, depsgraph)
         for material, names in zip(materials, users, strict=True)
     ]
     surfaces, programs, requests, displacements = zip(*found, strict=True) if found else ((),) * 4
@@ -130,22 +132,21 @@ def export_shaders(
     )
 
 
-def _surface_of(material, users, warnings, images):
+def _surface_of(material, users, warnings, images, depsgraph):
     """(row, program or None, requests, displacement or None) of one material."""
     if material is None:
         return _NO_MATERIAL, None, (), None
     reader = NodeReader(material.name, users, warnings)
-    # From Blender 5 every material has nodes; asking is deprecated there.
-    uses_nodes = bpy.app.version >= (5, 0) or material.use_nodes
-    if not uses_nodes or material.node_tree is None:
+    seen = seen_tree(material)
+    if seen is None:
         return _Surface(base_color=tuple(material.diffuse_color[:3])), None, (), None
-    output = material.node_tree.get_output_node("CYCLES")
+    output = seen.output
     if output is None:
         reader.warn(None, "has no Material Output node: black, as in Cycles")
         return _NOTHING, None, (), None
     if follow(output.inputs["Volume"]).node is not None:
         reader.warn(output, "Volume is not supported and left out")
-    builder = ProgramBuilder(reader, images)
+    builder = ProgramBuilder(reader, images, depsgraph)
     displacement = read_displacement(material, output, builder)
     builder.displaced = displacement.normal
     shaders = ShaderReader(builder)

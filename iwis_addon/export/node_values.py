@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .blackbody import blackbody_color
+from .seen_tree import name_of
 
 _LUMINANCE = (0.2126, 0.7152, 0.0722)
 _MISSING_IMAGE = (1.0, 0.0, 1.0)  # as in Cycles
@@ -83,7 +84,7 @@ class NodeReader:
 
     def warn(self, node, text: str) -> None:
         """Add a warning that names object, material and node (None: no node), once."""
-        where = "" if node is None else f', node "{node.name}"'
+        where = "" if node is None else f', node "{name_of(node)}"'
         line = f"{self._where}{where}: {text}"
         if line not in self._warnings:
             self._warnings.append(line)
@@ -115,8 +116,8 @@ class NodeReader:
         value = _constant(socket)
         self.warn(
             end.node,
-            f'{end.node.bl_label} is not supported yet: "{name}" of {node.name} is {_text(value)}, '
-            "the value under the link",
+            f'{end.node.bl_label} is not supported yet: "{name}" of {name_of(node)} is '
+            f"{_text(value)}, the value under the link",
         )
         return value
 

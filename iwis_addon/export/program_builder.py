@@ -14,6 +14,7 @@ from ...core.nodes.wireframe import OF_ELEMENTS
 from ...core.program import Op, Program, Ref, Value
 from .node_values import NodeReader, follow
 from .program_nodes import HANDLERS, PURE, SETTINGS
+from .seen_tree import name_of
 
 _TYPES = {
     "VALUE": "NUMBER",
@@ -50,6 +51,7 @@ def constant_of(socket) -> np.ndarray | None:
 class ProgramBuilder:
     """The operations of one material, as far as they have been asked for.
 
+    depsgraph: or a scene, whose time nodes ask for; None: no node may
     requests: names of the mesh data that they need (surface_data.py)
     displaced: the normal that displacement leaves, a vector; None: the surface's own
     """
@@ -60,6 +62,11 @@ class ProgramBuilder:
         self.displaced: Value | None = None
         self._ops: list[Op] = []
         self._known: dict[tuple, int] = {}
+
+    @property
+    def scene(self):
+        """The evaluated scene, or None."""
+        return getattr(self.depsgraph, "scene_eval", self.depsgraph)
 
     @property
     def ops(self) -> tuple[Op, ...]:
@@ -164,8 +171,8 @@ class ProgramBuilder:
             value = _ZERO if value is None else value
             self.reader.warn(
                 end.node,
-                f'{end.node.bl_label} is not supported: "{socket.name}" of {socket.node.name} is '
-                f"{_text(value)}, the value under the link",
+                f'{end.node.bl_label} is not supported: "{socket.name}" of '
+                f"{name_of(socket.node)} is {_text(value)}, the value under the link",
             )
         return self._converted(value, source, target)
 

@@ -213,6 +213,14 @@ def _light_falloff(builder, node, groups):
     return builder.add_node(node, groups, LIGHT_FALLOFF, inputs, {"outputs": set()})
 
 
+def _scene_time(builder, node, groups):
+    if builder.scene is None:
+        return None
+    frame, render = builder.scene.frame_float, builder.scene.render
+    seconds = frame * render.fps_base / render.fps
+    return {"Seconds": np.float32(seconds), "Frame": np.float32(frame)}
+
+
 def _displacement(builder, node, groups):
     settings, inputs = {"space": node.space}, builder.inputs(node, groups)
     if node.space == "TANGENT":
@@ -246,6 +254,7 @@ def _ambient_occlusion(builder, node, groups):
 
 
 HANDLERS = {
+    "GeometryNodeInputSceneTime": _scene_time,
     "ShaderNodeAmbientOcclusion": _ambient_occlusion,
     "ShaderNodeBevel": _bevel,
     "ShaderNodeBlackbody": _blackbody,

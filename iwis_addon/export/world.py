@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import bpy
 import numpy as np
 
 from ...core.program import Ref, WorldProgram
@@ -20,6 +19,7 @@ from .node_values import follow
 from .program_images import ImageStore
 from .radiance import STRONGEST, mend_radiance
 from .same import same
+from .seen_tree import seen_tree
 from .texel_cache import TexelCache
 from .world_builder import WorldBuilder, WorldReader
 from .world_coordinates import CAMERA_RAYS, LIGHT_RAYS
@@ -79,17 +79,18 @@ def read_world(
         warnings.append(NO_WORLD)
         return WorldExport(_uniform(_BLACK, "no world", True))
     visible = _visible_to_camera(world)
-    # Blender 5 always uses nodes and warns who asks.
-    if world.node_tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):
+    seen = seen_tree(world)
+    if seen is None:
         return WorldExport(_uniform(np.array(world.color, np.float32), world.name, visible))
-    export = _Export(depsgraph_or_scene, world, warnings, cache)
+    export = _Export(depsgraph_or_scene, world, seen, warnings, cache)
     return export.read(cancelled, least_height or world_picture.LEAST_HEIGHT)
 
 
 class _Export:
     """Makes the maps of one world."""
 
-    def __init__(self, depsgraph, world, warnings, cache):
+    def __init__(self, depsgraph, world, seen, warnings, cache):
+        self._seen = seen
         self._depsgraph, self._world, self._cache = depsgraph, world, cache
         self._warnings, self._reader = warnings, WorldReader(world, warnings)
         self._images = ImageStore(cache)
@@ -99,7 +100,7 @@ class _Export:
         """See read_world."""
         world, warn = self._world, self._reader.warn
         n_warnings = len(self._warnings)
-        output = world.node_tree.get_output_node("CYCLES")
+        output = self._seen.output
         if output is None or follow(output.inputs["Surface"]).node is None:
             if not world.original.is_missing:  # of a library, which is told of by itself
                 warn(output, "nothing is linked to the Surface of the World Output: black")

@@ -14,6 +14,7 @@ from ...core.program import Op, Ref
 from ...core.scene import EnvironmentMap
 from . import world_coordinates, world_textures
 from .program_builder import ProgramBuilder
+from .seen_tree import name_of
 from .world_coordinates import constants
 
 _GRAY = np.float32([0.5, 0.5, 0.5])
@@ -38,7 +39,7 @@ class WorldReader:
 
     def warn(self, node, text: str) -> None:
         """Add a warning that names the world and the node (None: no node), once."""
-        where = "" if node is None else f', node "{node.name}"'
+        where = "" if node is None else f', node "{name_of(node)}"'
         line = f'world "{self.name}"{where}: {text}'
         if line not in self._warnings:
             self._warnings.append(line)

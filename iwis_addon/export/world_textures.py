@@ -15,6 +15,7 @@ from ...core.scene import (
 )
 from .image import ImageError
 from .radiance import mend_radiance
+from .seen_tree import name_of
 from .sky import SkyError
 from .world_mapping import NotAMatrix, lookup_matrix, own_matrix
 
@@ -53,7 +54,7 @@ def _sky(builder, node, groups):
     environment = EnvironmentMap(
         radiance=sky,
         world_to_map=np.ascontiguousarray(matrix, np.float32),
-        name=node.name,
+        name=name_of(node),
     )
     row = builder.texture(environment, inputs)
     return {node.outputs[0].identifier: Ref(row, "Color")}

@@ -28,6 +28,7 @@ from . import (
     subsurface_cases,
     texture_cases,
     toon_cases,
+    tree_cases,
     value_cases,
     view_cases,
     wireframe_cases,
@@ -67,5 +68,6 @@ _FAMILIES = (
     occlusion_cases,
     bevel_cases,
     extreme_cases,
+    tree_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []
