@@ -19,30 +19,35 @@ _SECONDS = 600
 
 
 def write_exr(
-    path: str, layers: dict[str, np.ndarray], letters: dict[str, str], inside_blender: bool
+    path: str,
+    layers: dict[str, np.ndarray],
+    letters: dict[str, str],
+    inside_blender: bool,
+    space: str = "",
 ) -> None:
     """Write float32 (height, width, channels) layers, row 0 at the bottom, to one file.
 
-    letters: name of a layer -> one letter a channel
+    letters: name of a layer -> one letter a channel; space: of the colors, as Blender writes it
     Raises OSError when the file cannot be written, ImportError without the OpenEXR package.
     """
     if not inside_blender:
         from ..core.exr import write_exr_layers
 
-        write_exr_layers(path, layers, view_layer="", letters=letters)
+        told = {"colorInteropID": space} if space else None
+        write_exr_layers(path, layers, view_layer="", letters=letters, attributes=told)
         return
     with tempfile.TemporaryDirectory(prefix="iwis-") as folder:
         arrays = os.path.join(folder, "layers.npz")
         np.savez(arrays, **layers)
-        _run_child(arrays, path, letters)
+        _run_child(arrays, path, letters, space)
 
 
-def _run_child(arrays, path, letters):
+def _run_child(arrays, path, letters, space):
     """Blender's Python finds this add-on, its wheels and numpy where this process finds them."""
     name = f"{_ROOT.name}.{Path(__file__).parent.name}.{Path(__file__).stem}"
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join([str(_ROOT.parent), *sys.path]))
     child = subprocess.run(
-        [sys.executable, "-m", name, arrays, path, json.dumps(letters)],
+        [sys.executable, "-m", name, arrays, path, json.dumps(letters), space],
         env=environment,
         capture_output=True,
         text=True,
@@ -54,10 +59,10 @@ def _run_child(arrays, path, letters):
         raise OSError(lines[-1] if lines else f"{path}: cannot be written")
 
 
-def _child(arrays: str, path: str, letters: str) -> None:
+def _child(arrays: str, path: str, letters: str, space: str) -> None:
     with np.load(arrays) as layers:
         try:
-            write_exr(path, dict(layers), json.loads(letters), inside_blender=False)
+            write_exr(path, dict(layers), json.loads(letters), False, space)
         except (ImportError, OSError) as error:
             sys.exit(str(error))
 

@@ -17,9 +17,14 @@ _SAMPLES, _SUN_SAMPLES = 4, 1024  # of a pixel, and of one near the sun's disc
 _AROUND = 3  # pixels about the disc
 
 
-def render_sky(settings: dict, height: int) -> np.ndarray:
-    """float32 (height, 2 height, 3), row 0 at the bottom. settings: of the node, by name"""
+def render_sky(settings: dict, height: int, space: str = "") -> np.ndarray:
+    """float32 (height, 2 height, 3), row 0 at the bottom.
+
+    settings: of the node, by name; space: the working space of the colors, which Blender 5 has
+    """
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    if hasattr(bpy.data, "colorspace") and space not in ("", bpy.data.colorspace.working_space):
+        bpy.ops.wm.set_working_color_space(working_space=space, convert_colors=False)
     scene = bpy.context.scene
     node = _world(scene, settings)
     _camera(scene, height)
@@ -122,5 +127,5 @@ def _picture(scene, samples) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    _settings, _height, _path = sys.argv[-3:]
-    np.save(_path, render_sky(json.loads(_settings), int(_height)))
+    _settings, _height, _space, _path = sys.argv[-4:]
+    np.save(_path, render_sky(json.loads(_settings), int(_height), _space))

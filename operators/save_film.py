@@ -28,8 +28,10 @@ class IWIS_OT_save_film(bpy.types.Operator, ExportHelper):
     def execute(self, _context):
         path = bpy.path.abspath(self.filepath)
         layers, letters = film_layers(RenderJob.current.films)
+        colors = getattr(bpy.data, "colorspace", None)  # of Blender 5
+        space = getattr(colors, "working_space_interop_id", "")
         try:
-            write_exr(path, layers, letters, inside_blender=not bpy.app.module)
+            write_exr(path, layers, letters, not bpy.app.module, space)
         except (ImportError, OSError) as error:
             self.report({"ERROR"}, f"The film was not saved: {error}")
             return {"CANCELLED"}

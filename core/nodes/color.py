@@ -188,7 +188,7 @@ def invert(context, settings, inputs):
 
 
 def rgb_to_bw(context, settings, inputs):
-    return {"Val": inputs["Color"] @ LUMINANCE}
+    return {"Val": inputs["Color"] @ settings.get("luminance", LUMINANCE)}
 
 
 _TO_PARTS = {"RGB": lambda c: c, "HSV": rgb_to_hsv, "HSL": rgb_to_hsl}

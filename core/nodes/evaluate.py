@@ -54,7 +54,7 @@ for family in (
 
 
 def _convert(context, settings, inputs):
-    return {"": convert(inputs["Value"], settings["source"], settings["target"])}
+    return {"": convert(inputs["Value"], **settings)}
 
 
 def _scale(context, settings, inputs):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..rows import row_means
 
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)  # of Rec.709
 
 
 def column(number) -> np.ndarray:
@@ -55,14 +55,17 @@ def mixed(a, b, t) -> np.ndarray:
     return a + (b - a) * t
 
 
-def convert(value, source: str, target: str) -> np.ndarray:
-    """A value as a socket of another type takes it: NUMBER, VECTOR or COLOR."""
+def convert(value, source: str, target: str, luminance=LUMINANCE) -> np.ndarray:
+    """A value as a socket of another type takes it: NUMBER, VECTOR or COLOR.
+
+    luminance: float32 (3,), the weights of the channels
+    """
     if source == target or {source, target} == {"VECTOR", "COLOR"}:
         return value
     if target != "NUMBER":
         return np.repeat(np.asarray(value, np.float32)[..., None], 3, -1)
     if source == "COLOR":
-        return value @ LUMINANCE
+        return value @ luminance
     return row_means(value)
 
 

@@ -9,13 +9,14 @@ import numpy as np
 
 from ...core.nodes.color import COOLEST, HOTTEST, blackbody
 from ..scratch import scratch
+from .image import working_space
 
 _STEPS = 2048
 
 
 @functools.cache
-def _table() -> np.ndarray:
-    """float32 (n, 3), linear, from COOLEST to HOTTEST in logarithmic steps."""
+def _table(_space: str) -> np.ndarray:
+    """float32 (n, 3), in the working space, from COOLEST to HOTTEST in logarithmic steps."""
     colors = np.empty((_STEPS, 3), np.float32)
     with scratch(bpy.data.lights, bpy.data.lights.new("Blackbody", "POINT")) as lamp:
         lamp.use_temperature = True
@@ -27,7 +28,7 @@ def _table() -> np.ndarray:
 
 def blackbody_settings() -> dict:
     """The settings of core.nodes.color.blackbody."""
-    return {"table": _table()}
+    return {"table": _table(working_space())}
 
 
 def blackbody_color(kelvin: float) -> tuple[float, ...]:

@@ -20,6 +20,12 @@ import numpy as np
 from ..scratch import scratch
 
 _WORKING_SPACE_OF_4 = "Linear Rec.709"
+# Y of the primaries, as Cycles has them: ACEScg's are adapted to the white of D65.
+_LUMINANCE = {
+    "Linear Rec.709": (0.2126, 0.7152, 0.0722),
+    "Linear Rec.2020": (0.2627, 0.6780, 0.0593),
+    "ACEScg": (0.26767, 0.67434, 0.05799),
+}
 
 
 class Texels(NamedTuple):
@@ -235,6 +241,11 @@ def working_space() -> str:
     """Blender 5 lets a file choose its scene-linear space; it was Linear Rec.709 before."""
     settings = getattr(bpy.data, "colorspace", None)
     return getattr(settings, "working_space", _WORKING_SPACE_OF_4)
+
+
+def luminance_of_channels() -> np.ndarray:
+    """float32 (3,): what red, green and blue of the working space bring of CIE Y."""
+    return np.float32(_LUMINANCE.get(working_space(), _LUMINANCE[_WORKING_SPACE_OF_4]))
 
 
 def _srgb_decode(encoded: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 from ...core.nodes import FUNCTIONS
 from ...core.nodes.wireframe import OF_ELEMENTS
 from ...core.program import Op, Program, Ref, Value
+from .image import luminance_of_channels
 from .node_values import NodeReader, follow
 from .program_nodes import HANDLERS, PURE, SETTINGS
 from .seen_tree import name_of
@@ -179,7 +180,8 @@ class ProgramBuilder:
     def _converted(self, value, source, target):
         if source == target or {source, target} == {"VECTOR", "COLOR"}:
             return value
-        return self.run("convert", Value=value, settings={"source": source, "target": target})
+        settings = {"source": source, "target": target, "luminance": luminance_of_channels()}
+        return self.run("convert", Value=value, settings=settings)
 
     def _output(self, end) -> tuple[Value | None, str]:
         """(value, type) of a node's output; None if the node is not supported."""
@@ -225,6 +227,8 @@ class ProgramBuilder:
         settings = {name: getattr(node, name) for name in SETTINGS[kind] if hasattr(node, name)}
         if kind in _OF_VERSIONS:  # as Cycles of this version
             settings["before"] = bpy.app.version < (5, 0)
+        if kind == "ShaderNodeRGBToBW":
+            settings["luminance"] = luminance_of_channels()
         if kind == "ShaderNodeTexMagic":
             settings["scaled_first"] = bpy.app.version >= (5, 0)
         if kind not in PURE:

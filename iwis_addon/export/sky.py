@@ -17,6 +17,8 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
+from .image import working_space
+
 log = logging.getLogger(__name__)
 
 HEIGHT = 1024  # pixels; the sun's disc is three wide
@@ -67,19 +69,22 @@ def read_sky(node, height: int = HEIGHT) -> np.ndarray:
 
 
 class SkyWanted(NamedTuple):
-    """The picture of a sky; key: its name in the cache; settings: sky_settings, as JSON"""
+    """The picture of a sky; key: its name in the cache; settings: sky_settings, as JSON; space: the
+    working space of its colors"""
 
     key: str
     settings: str
     height: int
+    space: str
 
     @classmethod
     def of(cls, node, height: int = HEIGHT) -> SkyWanted:
         """Of a Sky Texture as it is now."""
         from ...core.table_cache import table_key  # numba may be missing
 
-        settings = json.dumps(sky_settings(node), sort_keys=True)
-        return cls(table_key("sky", settings, height, bpy.app.version[:2]), settings, height)
+        settings, space = json.dumps(sky_settings(node), sort_keys=True), working_space()
+        key = table_key("sky", settings, height, space, bpy.app.version[:2])
+        return cls(key, settings, height, space)
 
 
 def kept_sky(wanted: SkyWanted) -> np.ndarray | None:
@@ -129,7 +134,7 @@ def render_sky(wanted: SkyWanted, launch: Launch, started=lambda child: None) ->
 
     with tempfile.TemporaryDirectory(prefix="iwis-") as folder:
         path = os.path.join(folder, "sky.npy")
-        command = [*launch.command, wanted.settings, str(wanted.height), path]
+        command = [*launch.command, wanted.settings, str(wanted.height), wanted.space, path]
         _run(command, launch.environment, started, path)
         sky = np.ascontiguousarray(np.load(path), np.float32)
     _keep(table_folder(""), wanted.key, sky)

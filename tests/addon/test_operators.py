@@ -2,6 +2,7 @@
 
 import bpy
 import numpy as np
+import OpenEXR
 import pytest
 
 from iwis.iwis_addon.exr_process import write_exr
@@ -45,8 +46,10 @@ def test_film_is_written_beside_or_inside_blender(tmp_path, inside_blender):
 
     path = tmp_path / "film.exr"
     layers = {"A.Depth": np.arange(6, dtype=np.float32).reshape(2, 3, 1)}
-    write_exr(str(path), layers, {"A.Depth": "Z"}, inside_blender)
+    write_exr(str(path), layers, {"A.Depth": "Z"}, inside_blender, "lin_ap1_scene")
     read = read_exr_layers(path)
+    with OpenEXR.File(str(path)) as file:
+        assert file.header()["colorInteropID"] == "lin_ap1_scene"
     assert list(read) == ["A.Depth"]
     assert (read["A.Depth"] == layers["A.Depth"]).all()
 

@@ -25,6 +25,7 @@ from . import (
     pane_cases,
     property_cases,
     shown_lamp_cases,
+    space_cases,
     subsurface_cases,
     texture_cases,
     toon_cases,
@@ -69,5 +70,6 @@ _FAMILIES = (
     bevel_cases,
     extreme_cases,
     tree_cases,
+    space_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

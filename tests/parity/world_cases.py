@@ -259,7 +259,7 @@ world(
 )
 
 
-def _sky(turned=False, seen=True, **settings):
+def sky(turned=False, seen=True, **settings):
     """A Sky Texture of a type that this Blender has: 4.5 has one in place of two.
 
     seen: by the camera; within half a degree of the horizon some skies triple their light
@@ -286,13 +286,13 @@ def _sky(turned=False, seen=True, **settings):
 
 
 _SUN = {"sun_elevation": 0.6, "sun_rotation": 2.2}
-world("Sky, single scattering, disc", _sky(sky_type="SINGLE_SCATTERING", **_SUN))
-world("Sky, multiple scattering, disc", _sky(sky_type="MULTIPLE_SCATTERING", seen=False, **_SUN))
+world("Sky, single scattering, disc", sky(sky_type="SINGLE_SCATTERING", **_SUN))
+world("Sky, multiple scattering, disc", sky(sky_type="MULTIPLE_SCATTERING", seen=False, **_SUN))
 _NO_DISC = {"sky_type": "MULTIPLE_SCATTERING", "sun_disc": False}
-world("Sky, multiple scattering, no disc", _sky(seen=False, **_NO_DISC))
-world("Sky, multiple scattering, horizon seen", _sky(**_NO_DISC))
+world("Sky, multiple scattering, no disc", sky(seen=False, **_NO_DISC))
+world("Sky, multiple scattering, horizon seen", sky(**_NO_DISC))
 _LOW = {"sun_elevation": 0.1, "sun_rotation": 3.0, "sun_size": 0.004}
-world("Sky, low small sun", _sky(seen=False, **_LOW))
-world("Sky, Preetham", _sky(sky_type="PREETHAM", sun_direction=(0.3, -0.4, 0.6), turbidity=4.0))
-world("Sky, Hosek-Wilkie", _sky(sky_type="HOSEK_WILKIE", sun_direction=(-0.6, -0.3, 0.4)))
-world("Sky, turned", _sky(turned=True, sky_type="PREETHAM", sun_direction=(0.3, -0.4, 0.6)))
+world("Sky, low small sun", sky(seen=False, **_LOW))
+world("Sky, Preetham", sky(sky_type="PREETHAM", sun_direction=(0.3, -0.4, 0.6), turbidity=4.0))
+world("Sky, Hosek-Wilkie", sky(sky_type="HOSEK_WILKIE", sun_direction=(-0.6, -0.3, 0.4)))
+world("Sky, turned", sky(turned=True, sky_type="PREETHAM", sun_direction=(0.3, -0.4, 0.6)))
