@@ -69,6 +69,24 @@ class IWIS_PT_passes_light_groups(IWISPanel, ViewLayerLightgroupsPanelHelper, bp
     bl_parent_id = "VIEWLAYER_PT_layer_passes"
 
 
+class IWIS_PT_layer_filter(IWISPanel, bpy.types.Panel):
+    """What of the scene this view layer has"""
+
+    bl_label = "Filter"
+    bl_context = "view_layer"
+    bl_parent_id = "VIEWLAYER_PT_layer"
+
+    def draw(self, context):
+        column, layer = self.split_layout().column(heading="Include"), context.view_layer
+        column.prop(layer, "use_sky", text="Environment")
+        column.prop(layer, "use_solid", text="Surfaces")
+        column.prop(layer, "use_strand", text="Hair")
+        if hasattr(layer, "use_motion_blur"):
+            column = self.layout.column(heading="Use")
+            column.active = context.scene.render.use_motion_blur
+            column.prop(layer, "use_motion_blur", text="Motion Blur")
+
+
 class IWIS_PT_layer_denoising(IWISPanel, bpy.types.Panel):
     """Whether this view layer is denoised, where the scene is"""
 
@@ -100,6 +118,7 @@ CLASSES = (
     IWIS_PT_passes_iwis,
     IWIS_PT_passes_aov,
     IWIS_PT_passes_light_groups,
+    IWIS_PT_layer_filter,
     IWIS_PT_layer_denoising,
     IWIS_PT_override,
 )

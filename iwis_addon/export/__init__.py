@@ -48,7 +48,7 @@ from .measured import add_measured, without_measured
 from .mesh import ExportCache, MeshExport, export_mesh
 from .node_values import NodeReader
 from .surface_data import surface_data
-from .world import NO_LIGHT, NO_WORLD, read_world, world_of
+from .world import NO_LIGHT, NO_WORLD, is_in_layer, read_world, world_of
 from .world_picture import LEAST_IN_WINDOW
 
 __all__ = [
@@ -178,7 +178,7 @@ class _Shading:
         own = self._texels, self._cancelled, LEAST_IN_WINDOW if self._in_window else None
         return self._keep(
             "world",
-            [world_of(self._depsgraph)],
+            [world_of(self._depsgraph) if is_in_layer(self._depsgraph) else None],
             self._warnings,
             lambda lines: read_world(self._depsgraph, lines, *own),
         )

@@ -13,7 +13,7 @@ from .program_builder import ProgramBuilder
 from .program_images import ImageStore
 from .seen_tree import seen_tree
 from .texel_cache import TexelCache
-from .world import world_of
+from .world import is_in_layer, world_of
 from .world_builder import WorldBuilder, WorldReader
 from .world_coordinates import CAMERA_RAYS
 
@@ -96,7 +96,7 @@ def _written(material, names: set[str], reader, images, depsgraph) -> _Written |
 def _written_by_world(depsgraph, names, warnings, images, cache) -> _Written | None:
     """The same of the world, as the camera sees it."""
     world = world_of(depsgraph)
-    seen = None if world is None else seen_tree(world)
+    seen = None if world is None or not is_in_layer(depsgraph) else seen_tree(world)
     if seen is None:
         return None
     reader = WorldReader(world, warnings)

@@ -20,15 +20,19 @@ class PartReader:
 
     def __init__(self, depsgraph, known, cancelled, live: LiveMeshes | None):
         self._known, self._cancelled, self._live = known, cancelled, live
+        self._layer = depsgraph.view_layer_eval
         self._strand_settings = strand_settings(depsgraph.scene_eval)
         self.in_window = depsgraph.mode == "VIEWPORT"
 
     def read(self, obj, owner, modifier=None) -> tuple[LocalMesh | None, object, list]:
-        """The part, None if it has no face; its source: what surface_data.py reads (a bpy mesh,
-        something with rows() of names, or None); the materials of its data.
+        """The part, None if it has no face or the view layer leaves its kind out; its
+        source: what surface_data.py reads (a bpy mesh, something with rows() of names, or None);
+        the materials of its data.
 
         owner: the object, or what instances it; modifier: a particle system's, for its hair
         """
+        if not self._is_wanted(obj, modifier):
+            return None, None, []
         if obj.type == "MESH" and modifier is None and obj.data.is_editmode:
             return self._edited(obj)
         if modifier is not None:
@@ -40,6 +44,12 @@ class PartReader:
         else:
             local, source = self._mesh(obj, owner), obj.data
         return local, source, list(obj.data.materials)
+
+    def _is_wanted(self, obj, modifier) -> bool:
+        """Surfaces and Hair of the view layer's filter; points are neither, as in Cycles."""
+        if modifier is not None or obj.type == "CURVES":
+            return self._layer.use_strand
+        return self._layer.use_solid or obj.type != "MESH"
 
     def _kept(self, owner, obj, make, *settings):
         if self._live is None:

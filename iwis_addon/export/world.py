@@ -56,6 +56,11 @@ def world_of(depsgraph_or_scene):
     return override if override.is_evaluated else override.evaluated_get(graph)
 
 
+def is_in_layer(depsgraph_or_scene) -> bool:
+    """Whether the view layer has its world: Environment of its filter."""
+    return getattr(getattr(depsgraph_or_scene, "view_layer_eval", None), "use_sky", True)
+
+
 def read_world(
     depsgraph_or_scene,
     warnings: list[str],
@@ -79,6 +84,8 @@ def read_world(
         warnings.append(NO_WORLD)
         return WorldExport(_uniform(_BLACK, "no world", True))
     visible = _visible_to_camera(world)
+    if not is_in_layer(depsgraph_or_scene):
+        return WorldExport(_uniform(_BLACK, world.name, visible))
     seen = seen_tree(world)
     if seen is None:
         return WorldExport(_uniform(np.array(world.color, np.float32), world.name, visible))
@@ -107,6 +114,8 @@ class _Export:
             return WorldExport(_uniform(_BLACK, world.name, _visible_to_camera(world)))
         if output.inputs["Volume"].is_linked:
             warn(output, "the world's volume is not supported: it is left out")
+        if not getattr(getattr(world, "cycles", None), "use_shadows", True):
+            warn(None, "Shadows are off: it throws them all the same (Cycles mixes two answers)")
         if _hidden_from(world):
             kinds = " and ".join(_hidden_from(world))
             warn(None, f"ray visibility for {kinds} rays is not supported: they are lit")

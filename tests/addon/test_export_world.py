@@ -240,3 +240,13 @@ else:  # before, the working space could not be chosen
         bpy.ops.wm.set_working_color_space(working_space="Linear Rec.2020", convert_colors=False)
         textured_world(tree, image)
         assert_as_cycles(scene, tmp_path, RELATIVE, 3.4 * 2**-11)
+
+
+if bpy.app.version >= (5, 2):
+
+    def test_shadows_that_are_off_are_told(scene, tree, texels):
+        """Since Blender 5.2: Cycles then leaves out those of its light samples alone."""
+        textured_world(tree, new_image(texels))
+        scene.world.cycles.use_shadows = False
+        _, warnings = exported()
+        assert sum("Shadows are off" in line for line in warnings) == 1

@@ -80,9 +80,19 @@ def click():
     bpy.data.objects["Cube"].select_set(not bpy.data.objects["Cube"].select_get())
 
 
-@pytest.mark.parametrize(
-    "change", [move, bend, add_modifier, paint, brighten, add_lamp, instance, remove, click]
-)
+def leave_out_the_world():
+    bpy.context.view_layer.use_sky = False
+
+
+def leave_out_surfaces():
+    bpy.context.view_layer.use_solid = False
+
+
+CHANGES = [move, bend, add_modifier, paint, brighten, add_lamp, instance, remove, click]
+CHANGES += [leave_out_the_world, leave_out_surfaces]
+
+
+@pytest.mark.parametrize("change", CHANGES)
 def test_a_change_is_exported_as_from_scratch(window, change):
     """Whatever is kept, the result is equal to the last array."""
     scene, _, lines = window.export(change)

@@ -77,3 +77,34 @@ _flagged("what is instanced catches shadows", "is_shadow_catcher", True, False)
 _layered("holdout of a collection", holdout=True)
 _layered("collection is indirect only", indirect_only=True)
 _layered("collection is holdout and indirect only", holdout=True, indirect_only=True)
+
+
+def _filtered(name, flags, transparent):
+    """A view layer without some kinds of things: a plane with hair and points beside the rest."""
+
+    def build(scene, sphere):
+        scene.collection.objects.link(sphere)
+        bpy.ops.mesh.primitive_plane_add(size=1.0, location=(0.2, -1.5, -0.6))
+        bpy.context.object.data.materials.append(bpy.data.materials["M"])
+        bpy.context.object.modifiers.new("Hair", "PARTICLE_SYSTEM")
+        hair = bpy.context.object.particle_systems[0].settings
+        hair.type, hair.count, hair.hair_length, hair.root_radius = "HAIR", 12, 1.2, 20.0
+        scene.cycles_curves.shape = "THICK"
+        lamp = bpy.data.lights.new("Lamp", "POINT")
+        lamp.energy, lamp.shadow_soft_size = 100.0, 0.3
+        lamp = bpy.data.objects.new("Lamp", lamp)
+        lamp.location = (-2.0, -3.0, 3.0)
+        scene.collection.objects.link(lamp)
+        for flag in flags:
+            setattr(scene.view_layers[0], flag, False)
+
+    _case(f"view layer without {name}", build, transparent=transparent, blurred=True)
+
+
+for _name, _flags, _film in (
+    ("environment", ["use_sky"], False),
+    ("environment, transparent", ["use_sky"], True),
+    ("surfaces", ["use_solid"], True),
+    ("hair", ["use_strand"], True),
+):
+    _filtered(_name, _flags, _film)
