@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export import world_picture
+from iwis.iwis_addon.export import sky, world_picture
 from support.material_builds import Build, only
 from support.world_render import add, link, new_world, read
 
@@ -54,8 +54,10 @@ def test_materials_know_every_choice(scene, kind):
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if _choices(kind)])
 def test_worlds_know_every_choice(scene, monkeypatch, kind):
-    """Light that is a number in all directions."""
+    """Light that is a number in all directions. Skies are not rendered, which takes a process."""
     monkeypatch.setattr(world_picture, "LEAST_HEIGHT", 8)
+    monkeypatch.setattr(sky, "_LAST", {})
+    monkeypatch.setattr(sky, "render_sky", lambda *_: np.ones((8, 16, 3), np.float32))
     for name, value in _choices(kind):
         tree = new_world(scene)
         background = add(tree, "Background")
