@@ -15,12 +15,10 @@ import numpy as np
 from .backdrop import Backdrop
 from .cutouts import in_holes, opacity_of
 from .incremental import PixelSums
-from .luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
+from .luminance import LUMINANCE
 from .pass_sums import PassSums, add_background, add_seen, new_pass_sums
 from .scene import HOLDOUT, SHADOW_CATCHER, Scene
 from .shading import ShadingPoints
-
-_LUMINANCE = np.array([LUMINANCE_R, LUMINANCE_G, LUMINANCE_B])
 
 
 def has_role(scene: Scene, role: int) -> bool:
@@ -59,7 +57,7 @@ class CaughtPasses:
         if scene.transparent_film:
             behind = np.ones_like(behind)
         share = arriving(sums.diffuse + sums.glossy, sums.unoccluded)
-        light = share.mean(axis=1) * (behind @ _LUMINANCE)
+        light = share.mean(axis=1) * (behind @ LUMINANCE)
         own = (light, light**2, sums.count, sums.visible)
         for name, value in zip(("light", "light_squared", "count", "visible"), own, strict=True):
             np.add.at(getattr(state, name), points.pixel, value)

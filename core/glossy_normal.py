@@ -7,13 +7,7 @@ import math
 import numpy as np
 
 from ._jit import kernel
-from .microfacet import HALF, ONE, TWO
-
-
-@kernel(forceinline=True)
-def dot(a, b):
-    """Of two triples or rows."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+from .microfacet import HALF, ONE, TWO, dot
 
 
 @kernel

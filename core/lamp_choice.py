@@ -12,6 +12,7 @@ from .lamp_cones import cone_factor
 from .lamp_falloff import falloff_at
 from .lamps import BEAM, MESH, ROUND_BEAM, SUN, Lamps
 from .lobes import DIFFUSE_LOBE
+from .luminance import LUMINANCE
 from .near_meshes import is_near_mesh
 
 # Up to so many lamps all are sampled; of more, so many at each point.
@@ -23,7 +24,7 @@ _ZERO = np.float32(0.0)
 
 def powers_of(lamps: Lamps) -> np.ndarray:
     """float64 (n,): radiant intensity of each lamp, or its irradiance where it has no distance."""
-    light = lamps.radiance.astype(np.float64) @ (0.2126, 0.7152, 0.0722)
+    light = lamps.radiance.astype(np.float64) @ LUMINANCE
     width, height = lamps.size.astype(np.float64).T
     area = np.where(height > 0.0, width * height, math.pi * width**2)
     sun = lamps.kind == SUN

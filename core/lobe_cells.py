@@ -15,7 +15,7 @@ import numpy as np
 
 from ._jit import kernel
 from .luminance import luminance
-from .microfacet import HALF, ONE, QUARTER, ZERO
+from .microfacet import HALF, ONE, QUARTER, ZERO, cross, dot
 from .sphere_map import CELL_REACH
 
 _TINY = np.float32(1e-6)
@@ -75,26 +75,16 @@ def lambert_at(lobes, p, turned):
 
 
 @kernel(forceinline=True)
-def _dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@kernel(forceinline=True)
-def _cross(a, b):
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@kernel(forceinline=True)
 def gloss_at(lobes, p, turned):
     """Row p of lobes."""
     g, w = lobes.glossy_normal, lobes.wo
     normal, wo = (g[p, 0], g[p, 1], g[p, 2]), (w[p, 0], w[p, 1], w[p, 2])
-    side = _cross(normal, wo)
-    if _dot(side, side) < _TINY:  # seen from above: any will do
-        side = _cross(normal, (ZERO, ZERO, ONE) if abs(normal[2]) < HALF else (ONE, ZERO, ZERO))
-    inverse = ONE / np.sqrt(_dot(side, side))
+    side = cross(normal, wo)
+    if dot(side, side) < _TINY:  # seen from above: any will do
+        side = cross(normal, (ZERO, ZERO, ONE) if abs(normal[2]) < HALF else (ONE, ZERO, ZERO))
+    inverse = ONE / np.sqrt(dot(side, side))
     side = (side[0] * inverse, side[1] * inverse, side[2] * inverse)
-    along = _cross(side, normal)
+    along = cross(side, normal)
     head_on, grazing = ZERO, ZERO
     for curve in range(2):
         w, f0 = lobes.weight[p, curve], lobes.f0[p, curve]
@@ -105,7 +95,7 @@ def gloss_at(lobes, p, turned):
     if lobes.narrow[p] > ZERO:
         t = lobes.tangent[p]
         wide2, narrow2 = alpha2, lobes.narrow[p] * lobes.narrow[p]
-        c, s = _dot((t[0], t[1], t[2]), along), _dot((t[0], t[1], t[2]), side)
+        c, s = dot((t[0], t[1], t[2]), along), dot((t[0], t[1], t[2]), side)
         in_plane, across = c * c * wide2 + s * s * narrow2, s * s * wide2 + c * c * narrow2
         mixed, alpha2 = c * s * (wide2 - narrow2), np.sqrt(wide2 * narrow2)
     kept = alpha2 / (alpha2 + _CELL_ALPHA2)
@@ -113,7 +103,7 @@ def gloss_at(lobes, p, turned):
     lambda_o = np.sqrt(alpha2 + (ONE - alpha2) * cos_o * cos_o)
     frame = (normal, wo, side, along)
     widths, fresnel = (alpha2, in_plane, mixed, across), (head_on, grazing)
-    return CellGloss(*frame, cos_o, _dot(along, wo), lambda_o, *widths, kept, *fresnel, turned)
+    return CellGloss(*frame, cos_o, dot(along, wo), lambda_o, *widths, kept, *fresnel, turned)
 
 
 @kernel(forceinline=True)

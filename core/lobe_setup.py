@@ -15,7 +15,7 @@ import numpy as np
 
 from ._jit import kernel
 from .albedo_tables import albedo_tables, read_1d, read_2d, read_3d
-from .glossy_normal import dot, set_glossy_normal
+from .glossy_normal import set_glossy_normal
 from .lobes import (
     CONDUCTOR,
     CONDUCTOR_LOBE,
@@ -25,6 +25,7 @@ from .lobes import (
     MEASURED_LOBE,
     Lobes,
 )
+from .luminance import luminance
 from .microfacet import (
     HALF,
     MIN_ALPHA,
@@ -33,6 +34,7 @@ from .microfacet import (
     ZERO,
     beckmann_lambda,
     dielectric_mean,
+    dot,
     f0_of_ior,
     f82_edge,
     f82_mean,
@@ -258,11 +260,6 @@ def _add_measured(params, p, fits, out):
         out.weight[p, CONDUCTOR, c] = tint * weight
 
 
-@kernel(forceinline=True)
-def _luminance(rgb):
-    return np.float32(0.2126) * rgb[0] + np.float32(0.7152) * rgb[1] + np.float32(0.0722) * rgb[2]
-
-
 @kernel
 def _set_kind(p, out):
     """Write which lobes are there, and how often each is sampled: by what it reflects in all."""
@@ -275,7 +272,8 @@ def _set_kind(p, out):
             if max(w[0], w[1], w[2]) > ZERO:
                 kind |= bit
     out.kind[p] = kind
-    diffuse, glossy = _luminance(out.diffuse[p]), _luminance(out.glossy_color[p])
+    d, g = out.diffuse[p], out.glossy_color[p]
+    diffuse, glossy = luminance(d[0], d[1], d[2]), luminance(g[0], g[1], g[2])
     if kind == DIFFUSE_LOBE:
         out.diffuse_share[p] = ONE
     elif kind & DIFFUSE_LOBE:

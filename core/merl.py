@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from ._jit import kernel
-from .microfacet import INV_PI, ONE, ZERO
+from .microfacet import INV_PI, ONE, ZERO, dot
 
 SIDES = THETA_H, THETA_D, PHI_D = 90, 90, 180
 _SAMPLES = THETA_H * THETA_D * PHI_D
@@ -131,19 +131,14 @@ def eval_merl(tables, m, normal, wo, wi):
     return r, g, b
 
 
-@kernel(forceinline=True)
-def _cosine(a, wi):
-    return a[0] * wi[0] + a[1] * wi[1] + a[2] * wi[2]
-
-
 @kernel
 def eval_measured_at(at, wi_x, wi_y, wi_z):
     """brdf.eval_at of a table: as much of it as the fitted Lambert lobe has counts as diffuse."""
     wi = (wi_x, wi_y, wi_z)
-    cos_n = max(_cosine(at.normal, wi), ZERO)
+    cos_n = max(dot(at.normal, wi), ZERO)
     scale = cos_n * INV_PI
     dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale
-    if _cosine(at.glossy_normal, wi) <= ZERO or cos_n <= ZERO:
+    if dot(at.glossy_normal, wi) <= ZERO or cos_n <= ZERO:
         return dr, dg, db, ZERO, ZERO, ZERO
     r, g, b = eval_merl(at.tables, at.table, at.glossy_normal, at.wo, wi)
     r, g, b = r * at.tint[0] * cos_n, g * at.tint[1] * cos_n, b * at.tint[2] * cos_n

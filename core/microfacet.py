@@ -150,6 +150,12 @@ def f82_mean(f0, edge):
 
 
 @kernel(forceinline=True)
+def dot(a, b):
+    """Of two triples or rows."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel(forceinline=True)
 def dot_xyz(a, x, y, z):
     """a . (x, y, z), of a tuple."""
     return a[0] * x + a[1] * y + a[2] * z

@@ -14,7 +14,7 @@ import numpy as np
 from ._jit import kernel
 from .haar_product import MAX_COMMON, build_product_tree, count_common, product_integral
 from .lobes import MEASURED_LOBE
-from .luminance import luminance
+from .luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R, luminance
 from .paper_tables import N_PARTS
 from .sphere_map import hemisphere_to_square, sphere_to_square
 from .tables import SIDE
@@ -199,9 +199,9 @@ def count_nodes(tables, products, scratch):
 
 @kernel
 def light_weights(color, weights):
-    weights[0] = np.float32(0.2126) * color[0]
-    weights[1] = np.float32(0.7152) * color[1]
-    weights[2] = np.float32(0.0722) * color[2]
+    weights[0] = np.float32(LUMINANCE_R) * color[0]
+    weights[1] = np.float32(LUMINANCE_G) * color[1]
+    weights[2] = np.float32(LUMINANCE_B) * color[2]
 
 
 @kernel

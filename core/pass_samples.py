@@ -14,7 +14,7 @@ from .guide import new_guides
 from .hair_setup import has_world
 from .incremental import PixelSums, new_sums
 from .light_groups import TileGroups
-from .luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
+from .luminance import LUMINANCE
 from .merged_layers import merge_layers, shown_normals, turns_normals
 from .pass_rays import PILOT, samples_of_a_pass
 from .pass_sums import PassSums, add_seen
@@ -28,7 +28,6 @@ from .tile_job import Job, Rect, add_samples, frame_places
 from .tile_lamps import TileLamps
 from .walked_layers import walked_layers
 
-_LUMINANCE = np.array([LUMINANCE_R, LUMINANCE_G, LUMINANCE_B])
 _DARK = 1e-3  # albedo, of closures that reflect nothing
 
 
@@ -151,7 +150,7 @@ def shared_counts(layers: list[ClosureLayer], most: int) -> list[np.ndarray]:
         lobes = layer.seen.lobes
         color = diffuse_colors(lobes) if layer.color is None else layer.color
         color = np.nan_to_num(color + lobes.glossy_color, nan=0.0, posinf=1.0)
-        own[layer.of] = np.maximum(color @ _LUMINANCE, 0.0) + _DARK * has_world(lobes)
+        own[layer.of] = np.maximum(color @ LUMINANCE, 0.0) + _DARK * has_world(lobes)
     share = albedo / albedo.sum(axis=0)
     counts = np.maximum(np.rint(share * most), albedo > 0.0).astype(np.int64)
     over, largest = counts.sum(axis=0) - most, counts.argmax(axis=0)

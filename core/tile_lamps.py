@@ -16,6 +16,7 @@ from .incremental import PixelSums
 from .lamp_light import LampSamples, add_lamp_light
 from .lamp_rays import COLUMNS, UNOCCLUDED
 from .lamps import MESH, Lamps, is_soft
+from .luminance import LUMINANCE
 from .pass_sums import PassSums
 from .scene import Scene
 from .seen_points import ClosureLayer, SeenPoints
@@ -287,7 +288,7 @@ def _squared(light) -> np.ndarray:
 
 
 def _luminance(light) -> np.ndarray:
-    return (light[:, :3] + light[:, 3:6]) @ np.array((0.2126, 0.7152, 0.0722))
+    return (light[:, :3] + light[:, 3:6]) @ LUMINANCE
 
 
 def _show(light, sums: PixelSums) -> None:

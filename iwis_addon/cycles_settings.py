@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core.luminance import LUMINANCE
 from ..core.settings import LIMITS
 from .images import render_pixels
 from .job import ENGINE
@@ -108,7 +109,7 @@ def compare(ours: np.ndarray, cycles: np.ndarray) -> Comparison:
     """Two pictures, float32 (h, w, 4), alpha 1 where an object is."""
     difference = np.abs(ours - cycles)
     difference[..., 3] = 1.0
-    light, wanted = (picture[..., :3].astype(np.float64) @ _LUMINANCE for picture in (ours, cycles))
+    light, wanted = (picture[..., :3].astype(np.float64) @ LUMINANCE for picture in (ours, cycles))
     shown = cycles[..., 3] > 0.999
     shown &= wanted > 1e-3 * (wanted[shown].mean() if shown.any() else 0.0)
     if not shown.any():
@@ -116,6 +117,3 @@ def compare(ours: np.ndarray, cycles: np.ndarray) -> Comparison:
     light, wanted = light[shown], wanted[shown]
     mre = float((np.abs(light - wanted) / wanted).mean())
     return Comparison(difference, mre, float(light.sum() / wanted.sum() - 1.0))
-
-
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])

@@ -39,6 +39,7 @@ MAY_IMPORT_OF_CORE = {
         "lamps",
         "emitters",
         "islands",
+        "luminance",
         "object_motion",
         "program_ops",
         "subsurface",

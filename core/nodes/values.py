@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..luminance import LUMINANCE as _REC709
 from ..rows import row_means
 
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)  # of Rec.709
+LUMINANCE = _REC709.astype(np.float32)
 
 
 def column(number) -> np.ndarray:

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from ...core.lamps import BEAM, PLANE_EDGE, ROUND_BEAM, SPHERE
+from ...core.luminance import LUMINANCE
 from ...core.nodes.falloff import asks_for_distance
 from ...core.nodes.ies import IES
 from ...core.nodes.lamp_map import LampPlaces, even_color, lamp_falloff, lamp_picture
@@ -24,7 +25,6 @@ _MANY = (
 )
 _LEAST, _MOST = 256, 1024  # texels along a side
 _WIDEST = math.radians(89.99)  # half a spot's angle: the tangent of a right one is none
-_LUMINANCE = np.float32([0.2126, 0.7152, 0.0722])
 
 
 def places_of(light, kind: int, matrix: np.ndarray, own: LampLight) -> LampPlaces:
@@ -125,7 +125,7 @@ def _shown(number, row, camera, cache, warnings) -> tuple[dict, np.ndarray | Non
     make = functools.partial(lamp_picture, *light, places, camera, *size, distance)
     source = light, places, size, seen, distance
     picture = cache.kept(("lamp", number), source, make).reshape(-1, 3)
-    mean = float((picture @ _LUMINANCE).mean(dtype=np.float64))
+    mean = float((picture @ LUMINANCE).mean(dtype=np.float64))
     row["radiance"] = np.multiply(row["radiance"], mean)
     row["picture"] = (*size, places.by_direction)
     return row, picture / np.float32(mean) if mean > 0.0 else None

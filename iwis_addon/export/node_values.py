@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...core.luminance import LUMINANCE
 from .blackbody import blackbody_color
 from .seen_tree import name_of
 
-_LUMINANCE = (0.2126, 0.7152, 0.0722)
 _MISSING_IMAGE = (1.0, 0.0, 1.0)  # as in Cycles
 _MAX_LINKS = 1000  # a cycle of links must not hang the export
 
@@ -99,7 +99,7 @@ class NodeReader:
         value = self._value(node, name, groups)
         if isinstance(value, float):
             return value
-        return float(sum(w * c for w, c in zip(_LUMINANCE, value, strict=True)))
+        return float(sum(w * c for w, c in zip(LUMINANCE, value, strict=True)))
 
     def _value(self, node, name, groups):
         socket = node.inputs[name]
