@@ -42,5 +42,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     pass_samples, pass_plan                         11  passes of a tile, how many are wanted
     center_tile, filtered_tile                      12  one shading point a pixel, several
     render                                          13  the entry point
-    progressive, pixel_view, denoised_render, bake  14  pictures for a window; one pixel's samples
+    shown_picture, pixel_view, denoised_render, bake  14  pictures for a window; one pixel's samples
+    coarse_pictures                                 15  the first of them
+    progressive                                     16  all of them
 """

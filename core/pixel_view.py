@@ -74,11 +74,7 @@ def look_at_pixel(
         job.sequence, points.pixel, rect[:3], settings.seed, settings.point_set
     )
     sampler = make_sampler(job, seen, sequence)
-    sums, _ = sample_points(sampler, 1, job.accel, settings)
-    count = int(sums.count[0])
-    rays = new_rays(max(count, 1))
-    n = sampler.sample(np.zeros(1, np.int32), 0, np.array([count], np.int32), rays) if count else 0
-    occluded = job.accel.occluded(rays.origins[:n], rays.directions[:n])
+    count, taken, occluded = _samples_of(sampler, job)
     directions = map_directions(height)
     light, bsdf = (np.empty((len(directions), 3), np.float32) for _ in range(2))
     eval_environment_many(job.light.lookup, directions, light)
@@ -88,11 +84,21 @@ def look_at_pixel(
         light.reshape(shape),
         bsdf.reshape(shape),
         (light * bsdf).reshape(shape),
-        rays.directions[:n].copy(),
-        occluded.copy(),
+        taken,
+        occluded,
         count,
         points.position[0],
     )
+
+
+def _samples_of(sampler, job: Job) -> tuple[int, np.ndarray, np.ndarray]:
+    """What its rule has the one point take: count, and PixelView's directions and occluded."""
+    sums, _ = sample_points(sampler, 1, job.accel, job.settings)
+    count = int(sums.count[0])
+    rays = new_rays(max(count, 1))
+    n = sampler.sample(np.zeros(1, np.int32), 0, np.array([count], np.int32), rays) if count else 0
+    directions = rays.directions[:n].copy()
+    return count, directions, job.accel.occluded(rays.origins[:n], directions).copy()
 
 
 def _make_job(scene, settings, cache) -> Job:

@@ -25,7 +25,7 @@ _JOIN_SECONDS = 2.0
 class ViewThread(threading.Thread):
     """Renders the last scene that it was given; knows nothing of Blender but ``redraw``.
 
-    picture: core.progressive.Picture, or None; version: counts the pictures
+    picture: core.shown_picture.Picture, or None; version: counts the pictures
     denoiser: of the pictures; failure: what ended the last work
     first_seconds: from the last request to its first picture
     redraw() may raise ReferenceError where nobody looks any more: the thread then ends.
@@ -136,11 +136,11 @@ class _Tools:
 
     def __init__(self):
         dependencies.require()
-        from ..core import moved_accel, progressive
+        from ..core import coarse_pictures, moved_accel, progressive
         from ..core.render_cache import RenderCache
 
         self._warm_up = moved_accel.warm_up
-        self._cache, self._pace = RenderCache(), progressive.Pace()
+        self._cache, self._pace = RenderCache(), coarse_pictures.Pace()
         self._render = progressive.render_progressive
 
     def render(self, scene, settings, show, restart, close, denoiser):

@@ -6,6 +6,7 @@ import threading
 import numpy as np
 import pytest
 
+from iwis.core.coarse_pictures import Pace
 from iwis.core.copied_accel import CopiedAccel
 from iwis.core.copied_rows import CopiedRows, written_out
 from iwis.core.copies import Copies
@@ -13,7 +14,7 @@ from iwis.core.embree_instances import can_copy
 from iwis.core.moving_copies import MovingCopies
 from iwis.core.object_motion import ObjectMotion
 from iwis.core.pixel_view import look_at_pixel
-from iwis.core.progressive import Pace, render_progressive
+from iwis.core.progressive import render_progressive
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import CAMERA_RAYS, SHADOW_RAYS
 from iwis.core.settings import RenderSettings

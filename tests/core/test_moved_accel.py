@@ -7,9 +7,10 @@ import pytest
 
 from iwis.core import moved_accel, ray_masks, render_cache
 from iwis.core.accel import Accel
+from iwis.core.coarse_pictures import Pace
 from iwis.core.moved_accel import MovedAccel, moved, moves_between, settled
 from iwis.core.program import Closure, Program
-from iwis.core.progressive import Pace, render_progressive
+from iwis.core.progressive import render_progressive
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import CAMERA_RAYS, DIFFUSE, GGX, SHADOW_RAYS
 from iwis.core.scene_rays import SceneRays

@@ -5,9 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
+from iwis.core.coarse_pictures import Pace
 from iwis.core.near_rays import with_near_rays
 from iwis.core.program import Closure, Op, Program, Ref
-from iwis.core.progressive import Pace, render_progressive
+from iwis.core.progressive import render_progressive
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import BLACK, CAMERA_RAYS, GGX, SHADOW_RAYS
 from iwis.core.settings import RenderSettings

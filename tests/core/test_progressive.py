@@ -7,16 +7,12 @@ import numpy as np
 import pytest
 
 from iwis.core.camera import rays_through
+from iwis.core.coarse_pictures import STEPS, Pace, coarse_camera
 from iwis.core.denoise import Denoising
-from iwis.core.progressive import (
-    SHOWN,
-    STEPS,
-    Pace,
-    coarse_camera,
-    render_progressive,
-)
+from iwis.core.progressive import render_progressive
 from iwis.core.render_cache import RenderCache
 from iwis.core.settings import DenoiseSettings, RenderSettings
+from iwis.core.shown_picture import SHOWN
 from iwis.core.view_denoiser import ViewDenoiser
 from iwis.core.watch import Cancelled, StopFlag
 from support.oidn_library import library
