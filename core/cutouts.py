@@ -167,40 +167,58 @@ def points_through(
     """
     tints = np.ones((len(origins), 3), np.float32) if tints is None else tints
     slots = accel.slots(len(origins)) if hits is None else None
-    hit, u, v = accel.intersect(origins, directions, slots) if hits is None else hits
-    offsets = scene.terminator_offset
-    points = posed_points(scene.pose, scene.mesh, hit, u, v, directions, offsets)
+    met = accel.intersect(origins, directions, slots) if hits is None else hits
+    points = _points_met(scene, met, directions)
     points = points_within(points, origins, reach)
     if cut_materials(scene) is None:
         return points
     ended, numbers = [], None if dither is None else np.array(dither, np.float64)
     for n in range(1, scene.shaders.passes_of_camera(most) + 1):
-        color, passing = _passing_colors(scene, points, False)
-        number = np.full(len(passing), 0.5) if numbers is None else numbers[points.pixel]
-        goes = number < passing
+        goes, colors = _going_on(scene, points, numbers)
         ended.append(points.at(~goes))
         points = points.at(goes)
-        colors = color[goes] / passing[goes, None]
         tints[points.pixel] *= colors
         if passed is not None and len(points.pixel):
             passed.append(_passed(points, origins, colors))
-        if numbers is not None:
-            numbers[points.pixel] = number[goes] / passing[goes]
-        if hits is not None:
+        if hits is not None:  # nothing is met after those that were given
             points = points.at(slice(0))
         if not len(points.pixel):
             break
-        rays = points.pixel
-        starts, onward = behind(points, accel.offset)
-        hit, u, v = accel.intersect(starts, onward, None if slots is None else slots[rays])
-        points = posed_points(scene.pose, scene.mesh, hit, u, v, onward, offsets)
-        points = points_within(points._replace(pixel=rays[points.pixel]), origins, reach)
+        points = points_within(_points_behind(scene, accel, points, slots), origins, reach)
         points.passed[:] = n
     points.passed[:] = ~points.passed
     ended.append(points)
     found = ShadingPoints(*map(np.concatenate, zip(*ended, strict=True)))
     found = found.at(np.argsort(found.pixel, kind="stable"))
     return found._replace(through=tints[found.pixel])
+
+
+def _points_met(scene: Scene, hits, directions) -> ShadingPoints:
+    """The points of rays, float32 (n, 3), that hit something. hits: as of accel.intersect"""
+    return posed_points(scene.pose, scene.mesh, *hits, directions, scene.terminator_offset)
+
+
+def _going_on(scene: Scene, points: ShadingPoints, numbers) -> tuple[np.ndarray, np.ndarray]:
+    """(bool (n,), at which points rays go on; float32 (m, 3), what these bring of what is behind).
+
+    numbers: float64, of all rays, those of rays that go on become the ones for the next surface; or
+    None, where rays go on through what lets half or more pass
+    """
+    color, passing = _passing_colors(scene, points, False)
+    number = np.full(len(passing), 0.5) if numbers is None else numbers[points.pixel]
+    goes = number < passing
+    if numbers is not None:
+        numbers[points.pixel[goes]] = number[goes] / passing[goes]
+    return goes, color[goes] / passing[goes, None]
+
+
+def _points_behind(scene: Scene, accel, points: ShadingPoints, slots) -> ShadingPoints:
+    """What the rays of points meet next, behind them. slots: of all rays, or None"""
+    rays = points.pixel
+    starts, onward = behind(points, accel.offset)
+    hits = accel.intersect(starts, onward, None if slots is None else slots[rays])
+    met = _points_met(scene, hits, onward)
+    return met._replace(pixel=rays[met.pixel])
 
 
 def _passed(points: ShadingPoints, origins, colors) -> PassedPanes:

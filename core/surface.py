@@ -184,33 +184,39 @@ def _evaluate(
     opaque = opacity_gain(program, evaluation, passed)
     layers = []
     for closure in program.closures:
-        behind = closure.hair is not None and closure.model == TRANSLUCENT
-        if behind and unlit.all():
-            continue
-        params = {
-            name: evaluation.vector(value) if name in _VECTORS else evaluation.number(value)
-            for name, value in closure.params.items()
-        }
         weight = np.maximum(evaluation.vector(closure.weight), 0.0) * opaque
-        if behind:
+        if closure.hair is not None and closure.model == TRANSLUCENT:
+            if unlit.all():
+                continue
             weight = np.where(unlit[:, None], np.float32(0.0), weight)
-        normal = None if closure.normal is None else evaluation.vector(closure.normal)
-        if normal is not None:
-            normal = turned(normal)
-        kind, grain = (closure.model, closure.distribution), None
-        if closure.grain is not None:
-            grain = evaluation.vector(closure.grain)
-            length = np.linalg.norm(grain, axis=1)[:, None].astype(np.float32)
-            grain = length * turned(grain / np.maximum(length, np.float32(1e-20)))
-        corrects = program.corrects_bumps
-        shadows = corrects and (closure.normal is None or closure.normal is not program.displaced)
-        layer = ClosureValues(kind, which, weight, normal, params, grain, shadows, corrects)
+        layer = _layer(program, closure, evaluation, which, weight, turned)
         if closure.hair is not None and not whole:
             layer = layer._replace(hair=_hair_values(closure.hair, evaluation, turned, len(which)))
         split = closure.subsurface is not None and not whole
         layers += _split(closure.subsurface, evaluation, layer) if split else [layer]
     glow = 0.0 if program.emission is None else evaluation.vector(program.emission) * opaque
     return layers, glow
+
+
+def _layer(program, closure, evaluation: Evaluation, which, weight, turned) -> ClosureValues:
+    """A closure at points, but for its hair and what is under its surface.
+
+    turned: makes vectors of the pose of those of the mesh table
+    """
+    params = {
+        name: evaluation.vector(value) if name in _VECTORS else evaluation.number(value)
+        for name, value in closure.params.items()
+    }
+    normal = None if closure.normal is None else turned(evaluation.vector(closure.normal))
+    grain = None
+    if closure.grain is not None:
+        grain = evaluation.vector(closure.grain)
+        length = np.linalg.norm(grain, axis=1)[:, None].astype(np.float32)
+        grain = length * turned(grain / np.maximum(length, np.float32(1e-20)))
+    corrects = program.corrects_bumps
+    shadows = corrects and (closure.normal is None or closure.normal is not program.displaced)
+    kind = closure.model, closure.distribution
+    return ClosureValues(kind, which, weight, normal, params, grain, shadows, corrects)
 
 
 def _hair_values(hair: Hair, evaluation: Evaluation, turned, n: int) -> HairValues:

@@ -32,7 +32,7 @@ import numpy as np
 from ...core.asked_passes import NO_PASSES
 from ...core.emitters import Told, with_emitters
 from ...core.program import Shaders, SurfaceData
-from ...core.scene import NO_MEASURED, Scene
+from ...core.scene import NO_MEASURED, MeasuredBrdfs, Scene
 from .aovs import AovExport, export_aovs, no_aovs
 from .asked import occlusion_distance, read_asked
 from .camera import export_camera
@@ -107,16 +107,36 @@ def export_scene(
     world = shading.world()
     if cancelled():
         raise ExportCancelled
-    scene = depsgraph.scene_eval
     own = geometry.materials, geometry.material_users, warnings, texels
     aovs = export_aovs(depsgraph, *own) if live is None else no_aovs(geometry.materials)
     surface = _surface(geometry, materials, aovs)
     own = materials, surface, camera, cache, cancelled, warnings
     geometry = displaced_geometry(geometry, *own)
-    unlit = Scene(
+    if read is not None:
+        read.append(geometry)
+    shaders = _shaders(geometry, materials, aovs, surface, occlusion_distance(depsgraph))
+    own = geometry, materials, measured, shaders, world, camera
+    unlit = _without_lamps(depsgraph, *own, in_window=live is not None)
+    return _with_lamps(unlit, geometry, texels, warnings)
+
+
+def _without_lamps(
+    depsgraph,
+    geometry: MeshExport,
+    materials: MaterialExport,
+    measured: MeasuredBrdfs | None,
+    shaders: Shaders | None,
+    world,
+    camera,
+    in_window: bool,
+) -> Scene:
+    """A Scene of its parts. world: of read_world; in_window: no passes are asked for there."""
+    scene = depsgraph.scene_eval
+    placed = in_window and geometry.rest is None
+    return Scene(
         mesh=geometry.mesh,
         materials=materials.params,
-        shaders=_shaders(geometry, materials, aovs, surface, occlusion_distance(depsgraph)),
+        shaders=shaders,
         environment=world.light,
         backdrop=world.backdrop,
         camera=camera,
@@ -127,13 +147,10 @@ def export_scene(
         transparent_film=scene.render.film_transparent,
         measured=measured or NO_MEASURED,
         exposure=film_exposure(scene),
-        asked=NO_PASSES if live is not None else read_asked(depsgraph, geometry),
-        object_to_world=None if live is None or geometry.rest is not None else _places(geometry),
+        asked=NO_PASSES if in_window else read_asked(depsgraph, geometry),
+        object_to_world=_places(geometry) if placed else None,
         copies=geometry.copies,
     )
-    if read is not None:
-        read.append(geometry)
-    return _with_lamps(unlit, geometry, texels, warnings)
 
 
 def _pixels(camera, live) -> int:
