@@ -6,6 +6,7 @@ import time
 import numpy as np
 import pytest
 
+from iwis.core.budget import _part_of
 from iwis.core.film import Film
 from iwis.core.pace import Cost, Pace, StageWatch
 from iwis.core.render import render
@@ -54,6 +55,18 @@ def test_plans_follow_the_spread(rng):
     free = lit & (counts > 40)
     ratio = counts[free] / demand.power[free]
     assert np.abs(ratio / np.median(ratio) - 1.0).max() < 0.11  # counts are multiples of 4
+
+
+@pytest.mark.parametrize("grain", [0, 8])
+@pytest.mark.parametrize("part", [0.5, 1.3])
+def test_a_part_of_a_plan_is_that_part_of_its_samples(grain, part, rng):
+    """Rounded up and down by turns: to 1 % of what is added, in whole grains."""
+    demand, settings = _demand(rng, grain=grain), RenderSettings(max_samples=4096)
+    lit = demand.share > 0
+    plan = planned_counts(demand, typical_for_rays([demand], 40.0 * lit.sum(), 512), 512)
+    more = _part_of(plan, demand, part, settings) - demand.taken
+    assert not (more % max(grain, 1)).any()
+    assert more.sum() == pytest.approx(part * (plan - demand.taken).sum(), rel=0.01)
 
 
 def test_targets_out_of_reach(rng):

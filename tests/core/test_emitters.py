@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from iwis.core.closed_meshes import hidden_sides
+from iwis.core.emitter_tree import face_nodes
 from iwis.core.emitters import with_emitters
 from iwis.core.lamp_meshes import sample_mesh
 from iwis.core.lamps import BLOCK, MESH, NO_LAMPS, RECTANGLE
@@ -160,6 +161,35 @@ def test_faces_are_drawn_by_how_they_are_turned():
     own = np.isin([lamps.faces.face[max(sample[6], 0) // 2] for sample in drawn], (0, 1))
     share = light[own].sum() / light.sum()
     assert share > 0.6 and own.mean() > 0.5
+
+
+def test_sheets_are_drawn_by_the_side_that_shines():
+    """Of two alike, of which one shows its back, the other one is drawn, from the top of the tree
+    on: by how faces are turned alone each had half of the samples."""
+    sheets = [sheet(12, (0.8, 0.1, 1.0)), sheet(12, (0.7, -0.5, 1.0), turned=True)]
+    starts = np.cumsum([0] + [len(one.vertices) for one in sheets])
+    vertices = np.concatenate([one.vertices for one in sheets])
+    pairs = zip(sheets, starts, strict=False)
+    triangles = np.concatenate([one.triangles + start for one, start in pairs])
+    own = with_emitters([], mesh_of(vertices, triangles), RADIANCE)
+    one_sided = own.faces.power * (1.0, 0.0)
+    nodes, leaves = face_nodes(own.faces.corners, one_sided)
+    lamps = own._replace(faces=own.faces._replace(power=one_sided, nodes=nodes, leaves=leaves))
+    place = *(0.0, 0.0, 0.0), *(0.0, 0.0, 1.0)
+    drawn = [sample_mesh(lamps, 0, *place, a, 0.5) for a in (np.arange(512) + 0.5) / 512]
+    seen = np.array([sample[4] > 0.0 and sample[6] % 2 == 0 for sample in drawn])
+    assert seen.mean() > 0.9
+
+
+def test_a_face_within_rounding_of_a_point_brings_nothing():
+    """A sheet that shines, nearer than rays start off their point (1.9e-6 m here): it is the face
+    that the point is on. Samples would find a cosine in the rounding."""
+    own = quad((-0.5, -0.5, 1e-6), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    both = np.stack([RADIANCE[1], RADIANCE[1]])
+    vertices, triangles = join_parts([own])[:2]
+    for sides in (triangles, triangles[:, ::-1]):
+        lamps = with_emitters([], mesh_of(vertices, sides), both)
+        assert not sampled([], MATERIALS["diffuse"], 2000, 4, lamps=lamps).any()
 
 
 CASES = [(steps, turned, name) for steps, turned in ((1, False), (9, True)) for name in MATERIALS]

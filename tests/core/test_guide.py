@@ -94,6 +94,20 @@ def test_rays_are_noted_by_cell():
     assert guides.asked[0].sum() == 32770
 
 
+@pytest.mark.parametrize(
+    ("material", "low", "high"), [(diffuse(), 0.9, 1.0), (glossy(1e-3), 0.0, 0.2)]
+)
+def test_only_rays_of_the_product_teach(material, low, high):
+    """Of a Lambert surface 98 % of them, of a mirror 10 %: the others follow the lobe, and have no
+    cell of the product's base."""
+    scene = make_scene([floor()], [material], gradient_world(), camera_above(z=2.0, half=0.4))
+    tile = CenterTile(make_job(scene, stop_rule="FIXED", max_samples=16), Rect(0, 0, 8, 8))
+    tile._look()
+    tile.advance(16)
+    asked = sum(int(guides.asked.sum()) for guides in tile._guides)
+    assert low < asked / tile.counts().shadow_rays < high
+
+
 @pytest.mark.parametrize("material", [diffuse(), glossy(0.02), glossy(0.3)])
 def test_a_scaled_product_adds_up(material, rng):
     """Its density over the sphere is 1, and its cells' are scaled as was asked."""

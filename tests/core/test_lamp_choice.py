@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from iwis.core.lamp_choice import ALL_LAMPS
-from iwis.core.lamps import RECTANGLE, SPHERE, SUN
-from support.lamp_points import sampled
+from iwis.core._jit import kernel
+from iwis.core.lamp_choice import ALL_LAMPS, powers_of, share_out
+from iwis.core.lamps import RECTANGLE, SPHERE, SUN, make_lamps
+from iwis.core.lobes_at import lobes_at
+from support.lamp_points import sampled, seen_point
 from support.scenes import diffuse, glossy, principled
 from support.statistics import sidak, t_p_value
 
@@ -69,3 +71,24 @@ def test_many_lamps_are_chosen_from_by_what_they_bring():
     for rows in (balls, _turned_spots(rng, 60)):
         light = sampled(rows, MATTE, 2000, 1).sum(axis=1)
         assert 0.0 < light.std() < 0.1 * light.mean()
+
+
+@kernel
+def _share_out(lamps, powers, points, lobes, shares):
+    share_out(lamps, powers, points, 0, lobes_at(lobes, 0), shares)
+
+
+@pytest.mark.parametrize(("material", "lit"), [("paint", True), ("matte", False)])
+def test_lamps_below_the_shading_normal_light_gloss(material, lit):
+    """Where glossy light follows another normal, a lamp that only that one sees is drawn, too: else
+    its light would be lost. Of what is matte it brings nothing."""
+    points, lobes, _ = seen_point(MATERIALS.get(material, MATTE))
+    tilted = np.float32([[np.sin(0.3), 0.0, np.cos(0.3)]])
+    places = [(3.0, 0.0, -0.3)] + [(0.1 * k, 1.0, 2.0) for k in range(ALL_LAMPS)]
+    lamps = make_lamps([{"kind": SPHERE, "position": p, "radiance": 1.0} for p in places])
+    shares = np.empty(len(places))
+    own = lamps, powers_of(lamps), points
+    _share_out(*own, lobes._replace(glossy_normal=tilted), shares)
+    assert (shares[0] > 0.0) == lit and (shares[1:] > 0.0).all()
+    _share_out(*own, lobes, shares)
+    assert shares[0] == 0.0

@@ -197,9 +197,11 @@ def test_a_rectangle_has_its_form_factor():
     np.testing.assert_allclose(found, RADIANCE * ALBEDO * math.pi * form, rtol=2e-3)
 
 
-def test_inside_a_lamp_is_a_furnace():
-    """A sphere of radiance 1 around a floor: each diffuse sample is the albedo."""
-    row = {"kind": SPHERE, "position": (0.3, 0.2, 0.1), "size": (5.0, 0.0), "radiance": 1.0}
+@pytest.mark.parametrize("cone", [{}, spot(50.0, 0.6)], ids=["lamp", "spot"])
+def test_inside_a_lamp_is_a_furnace(cone):
+    """A sphere of radiance 1 around a floor: each diffuse sample is the albedo. A spot's cone is
+    nothing to what is inside of it, as in Cycles."""
+    row = {"kind": SPHERE, "position": (0.3, 0.2, 0.1), "size": (5.0, 0.0), "radiance": 1.0} | cone
     found = sampled([row], MATERIALS["diffuse"], 50, 1)[:, :3]
     np.testing.assert_allclose(found, np.tile(ALBEDO * math.pi, (50, 1)), rtol=1e-5)
 

@@ -103,7 +103,8 @@ def test_a_suns_samples_are_nearly_alike(height, latitude, rng):
     pyramid, truth = build_pyramid(lookup), mean_light(world.radiance)
     weights = light_weights(pyramid, lookup, 1_000_000, rng)
     spread = weights.std() / truth
-    assert spread < 0.15 and weights.max() < 20.0 * truth  # at a rim, 8 is what the tree allows
+    # At a rim a leaf keeps an eighth of its brightest sample; of a million weights one is 8.1.
+    assert spread < 0.15 and weights.max() < 9.0 * truth
     assert abs(weights.mean() / truth - 1.0) < 4.0 * spread / np.sqrt(len(weights)) + 1e-5
     assert pyramid.averages[0] == pytest.approx(truth, rel=1e-5)
 

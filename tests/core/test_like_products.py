@@ -70,6 +70,20 @@ def test_no_horizon_of_those_that_share_is_dark(look, rng):
     assert (alone.pdf(low) == 0.0).any()
 
 
+def test_products_are_built_for_the_angle_that_points_may_be_apart(rng):
+    """One product of 400 points, whose normals are all but .2 rad from the first one's: none is
+    dark just above its own horizon. Made for the first normal alone it is, for some (the twin)."""
+    angle = np.float32(0.2)
+    normals = np.concatenate([UP[None], _turned(UP, 0.99 * angle, rng, 400)])
+    products = _products(_lobes(normals, SEEN_FROM, {"specular_level": 0.0}), angle)
+    assert (products.own == 0).all()
+    low = _unit(_unit(np.cross(normals, rng.standard_normal((401, 3)))) + 1e-3 * normals)
+    product = PointProduct(light_of(constant_world()), diffuse(), UP, SEEN_FROM)
+    assert (product.pdf(low) == 0.0).any()
+    product.products = products
+    assert (product.pdf(low) > 0.0).all()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("apart", [NEARLY_ALIKE, ALIKE])
 @pytest.mark.parametrize("parameters", [{"metallic": 0.0}, {"metallic": 1.0, "roughness": 0.3}])

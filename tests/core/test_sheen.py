@@ -17,6 +17,8 @@ from support.brdf_points import (
     reflected,
     sphere_quadrature,
 )
+from support.scenes import constant_world, diffuse
+from support.warps import PointProduct, light_of
 
 _COSINES = (0.9, 0.5, 0.15)
 
@@ -97,6 +99,26 @@ def test_velvet_is_the_textbook_formula(roughness, rng):
         ours = evaluated(lobes, p, wi)
         np.testing.assert_allclose(ours[:, 3], d * g / (4.0 * wo[2]), rtol=3e-3, atol=1e-7)
         assert (ours[:, :3] == 0.0).all()
+
+
+@pytest.mark.parametrize("roughness", [0.3, 0.8])
+@pytest.mark.parametrize("model", ["fibers", "velvet"])
+def test_product_has_density_wherever_sheen_is_lit(model, roughness, rng):
+    """Down to the horizon, where sheen shines most: what only those samples find that follow the
+    lobe itself is seldom, and 20 times too bright."""
+    fibers, velvet = (np.array([model == kind]) for kind in ("fibers", "velvet"))
+    width = np.full(1, roughness, np.float32)
+    product = PointProduct(
+        light_of(constant_world()),
+        diffuse(),
+        wo=(0.0, 0.6, 0.8),
+        change=lambda lobes: set_sheen(lobes, fibers, velvet, width),
+    )
+    wi = rng.standard_normal((20_000, 3))
+    wi[:, 2] = np.abs(wi[:, 2]) * rng.choice([1.0, 0.05], len(wi))
+    wi = np.float32(wi / np.linalg.norm(wi, axis=1)[:, None])
+    lit = evaluated(product.lobes, 0, wi).sum(axis=1) > 1e-6
+    assert lit.sum() > 1000 and product.pdf(wi[lit]).min() > 0.0
 
 
 def test_velvet_is_glossy_and_fibers_are_diffuse():

@@ -133,6 +133,14 @@ def test_error_is_nearly_the_least_there_is(rng):
     assert error(perceptual) < 1.03 * error(known)
 
 
+def test_counts_are_the_next_to_end_at():
+    """T r^.75 rounded up to 8, 12, 16 ...: to the next of them, no farther."""
+    wanted = np.array([0.5, 7.9, 8.1, 11.9, 12.1, 31.9, 32.1, 300.0])
+    spread = ((wanted / 100.0) ** (4.0 / 3.0)).astype(np.float32)
+    counts = plan_counts(spread, np.zeros(8, np.int32), 100.0, 256)
+    np.testing.assert_array_equal(counts, [8, 8, 12, 12, 16, 32, 48, 256])
+
+
 def test_counts_are_nearly_the_best_there_are(rng):
     """Sum r / sqrt(N) is within 1 % of its least, which is at N ~ r^(2/3)."""
     spread = np.exp(rng.normal(0.0, 0.7, 20_000)).astype(np.float32)

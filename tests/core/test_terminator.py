@@ -3,9 +3,13 @@
 import numpy as np
 import pytest
 
+from iwis.core.lobe_setup import setup_lobes
 from iwis.core.scene import ROUND
 from iwis.core.shading import shading_points
 from iwis.core.terminator import lift_share
+from iwis.core.unbiased_rays import UnbiasedSampler
+from support.brdf_points import material
+from support.samplers import all_rays, random_sequence
 from support.scenes import (
     camera_above,
     constant_world,
@@ -15,6 +19,7 @@ from support.scenes import (
     make_scene,
     sphere,
 )
+from support.warps import light_of
 
 
 def _centre_points(smooth, looking, offset=0.1):
@@ -64,6 +69,33 @@ def test_the_share_is_one_at_the_horizon_and_fades_out():
         float(lift_share(np.float32(c), np.float32(c), np.float32(0.1))) for c in (0.0, 0.05, 0.075)
     ]
     assert both == pytest.approx([1.0, 1.0, 0.5], abs=1e-6)
+
+
+def test_rays_of_the_product_start_as_high_as_their_share():
+    """On the face, or above it by lift_share of the patch's height; float32's sums are 1e-6 of it.
+
+    Of the light of a white sky half is sampled as Cycles' light samples are, and lifted.
+    """
+    points = _centre_points(smooth=True, looking=-1.0, offset=0.3)
+    n, offset = len(points.pixel), np.float32(1e-3)
+    own = points.normal, points.geometric_normal, points.wo
+    lobes = setup_lobes(material(n, specular_level=0.0), *own)
+    light = light_of(constant_world())
+    sequence = random_sequence(np.random.default_rng(5), n, 64, "OWEN")
+    sampler = UnbiasedSampler(points, lobes, light, sequence, offset, np.float32(0.0))
+    rays = all_rays(sampler, np.arange(n), 64)
+    p, face = rays.point, points.geometric_normal[rays.point]
+    above = (face * rays.directions).sum(1)
+    cosine = (points.normal[p] * rays.directions).sum(1)
+    below = np.float32(0.3)
+    share = np.array([lift_share(a, c, below) for a, c in zip(above, cosine, strict=True)])
+    moved = rays.origins - points.position[p] - offset * face
+    lift = points.lift[p]
+    height = (moved * lift).sum(1) / (lift * lift).sum(1)
+    np.testing.assert_allclose(moved, height[:, None] * lift, atol=1e-6)
+    lifted = np.abs(height - share) < 1e-3
+    assert (lifted | (np.abs(height) < 1e-3)).all()
+    assert (lifted & (share > 0.1)).sum() > 100
 
 
 def test_what_is_round_is_lit_as_a_ball():
