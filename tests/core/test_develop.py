@@ -49,6 +49,14 @@ def test_geometry_layers_are_those_of_the_first_hit():
     )
 
 
+@pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
+def test_all_that_is_seen_is_all_of_the_light(pixel_filter):
+    """Nothing is in the way: visibility is 1 but for rounding, and never more."""
+    layers, _ = make_picture(_scene(), max_samples=32, pixel_filter=pixel_filter)
+    seen = layers["visibility"][..., 0][:, 6:10]  # the quad's, all of each pixel
+    assert 0.999999 < seen.min() and layers["visibility"].max() <= 1.0
+
+
 def test_index_layers_are_the_passes_values():
     """The values of the scene's tables, not row numbers; 0 where the world is seen."""
     scene = make_scene(

@@ -206,6 +206,15 @@ def test_inside_a_lamp_is_a_furnace(cone):
     np.testing.assert_allclose(found, np.tile(ALBEDO * math.pi, (50, 1)), rtol=1e-5)
 
 
+def test_inside_a_lamp_things_throw_shadows():
+    """Under a roof that ends at 35 degrees on one side (1 - sin 35) / 2 of the light is left, .21,
+    and a little over its other ends; rays end at the lamp's far side, not at the point."""
+    row = {"kind": SPHERE, "position": (0.3, 0.2, 0.1), "size": (5.0, 0.0), "radiance": 1.0}
+    roof = box((-0.07, -1.0, 0.1), (1.0, 1.0, 0.12))
+    found = sampled([row], MATERIALS["diffuse"], 4000, 1, blocker=roof)[:, 0]
+    assert 0.18 < (found > 0.0).mean() < 0.26
+
+
 @pytest.mark.parametrize("lamp", ["sphere", "sun", "rectangle", "ellipse"])
 def test_a_mirror_shows_the_lamp(lamp):
     """Every sample of a mirror that looks into the lamp is close to the lamp's radiance."""

@@ -115,6 +115,18 @@ def test_the_lens_has_its_radius_and_centre(name):
     assert (np.abs(rays.reach - 9.0) < 2.0).all()
 
 
+@pytest.mark.parametrize(("name", "side"), [("panoramic", 1.0), ("mirror ball", -1.0)])
+def test_a_panoramas_blades_turn_as_in_cycles(name, side):
+    """Of rays that start at the lens' right and at its top: the other way round in a mirror."""
+    camera = dataclasses.replace(CAMERAS[name], lens=LENS_OPEN, clip_start=0.0)
+    lens_uv = np.array([[0.9, 0.5], [0.5, 0.9]])  # right of the centre, above it
+    x, y = np.full(2, 2.7), np.full(2, 3.4)
+    centre = rays_through(dataclasses.replace(camera, lens=None), x[:1], y[:1])
+    right, up = np.float64(rays_through(camera, x, y, lens_uv).origins) - centre.origins[0]
+    turned = np.cross(right, up) @ centre.directions[0]
+    assert turned == pytest.approx(side * (0.8 * RADIUS) ** 2, rel=1e-3)  # float32 of some metres
+
+
 def test_without_a_lens_point_the_picture_is_sharp():
     """The lens' centre: the rays of the closed lens, bit for bit."""
     for camera in CAMERAS.values():

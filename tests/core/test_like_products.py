@@ -126,6 +126,19 @@ def test_other_materials_have_products_of_their_own(other):
     np.testing.assert_array_equal(_products(lobes, ALIKE).own, [0, 1] * 4)
 
 
+@pytest.mark.parametrize(("roughness", "apart"), [(0.2, True), (0.8, False)])
+def test_gloss_that_mirrors_another_way_has_a_product_of_its_own(roughness, apart):
+    """Points of a plane that are seen from all round, 12 degrees apart: narrow lobes do not share,
+    though normals and cosines are the same; of wide ones some do."""
+    turn = 2.0 * np.pi * np.arange(30) / 30
+    side, other = _unit(np.cross(UP, SEEN_FROM)), np.cross(UP, _unit(np.cross(UP, SEEN_FROM)))
+    around = np.cos(turn)[:, None] * side + np.sin(turn)[:, None] * other
+    wo = 0.8 * UP + 0.6 * around
+    lobes = _lobes(np.tile(UP, (30, 1)), wo, {"metallic": 1.0, "roughness": roughness})
+    own = _products(lobes, ALIKE).own
+    assert (len(np.unique(own)) == 30) == apart
+
+
 def test_stretched_gloss_sheen_and_toon_do_not_share():
     """Their products are made of more than what points are compared by."""
     lobes = _lobes(np.tile(UP, (4, 1)), SEEN_FROM, {"metallic": 1.0, "roughness": 0.3})

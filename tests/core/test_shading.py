@@ -83,3 +83,20 @@ def test_params_are_taken_row_by_row():
     np.testing.assert_array_equal(params.base_color[:, 0], np.float32([0.7, 0.1, 0.7]))
     np.testing.assert_array_equal(params.roughness, np.float32([0.5, 0.5, 0.5]))
     assert all(column.flags.c_contiguous for column in params)
+
+
+def test_what_is_behind_a_smooth_face_is_lit_from_its_own_side_alone():
+    """Those of a mask have their normals turned and no patch over them: rays that start on one
+    bring light from below the face. The others stay as they are."""
+    mesh = make_mesh(sphere(rings=12, smooth=True))
+    hit = np.arange(60, 68, dtype=np.int32)
+    third, down = np.full(8, 1.0 / 3.0, np.float32), np.tile(np.float32([0, 0, -1]), (8, 1))
+    points = shading_points(mesh, hit, third, third, down, np.float32([0.1]))
+    assert (points.lift_below > 0.0).all()
+    which = np.arange(8) % 2 == 0
+    turned = points.from_behind(which)
+    side = np.where(which, -1.0, 1.0)[:, None]
+    np.testing.assert_array_equal(turned.normal, points.normal * side)
+    np.testing.assert_array_equal(turned.geometric_normal, points.geometric_normal * side)
+    np.testing.assert_array_equal(turned.lift_below, np.where(which, 0.0, points.lift_below))
+    assert not turned.lift[which].any() and (turned.lift[~which] == points.lift[~which]).all()
