@@ -14,6 +14,8 @@ from support.brdf_points import (
     sampled,
     sphere_quadrature,
 )
+from support.scenes import constant_world, glossy
+from support.warps import PointProduct, light_of
 
 _WO = np.float32([[0.3, -0.5, 0.8124], [0.0, 0.0, 1.0], [0.8, 0.1, 0.5916]])
 _WIDE, _NARROW = 0.5, 0.125  # of the slopes, along x and y turned by 30 degrees
@@ -115,6 +117,23 @@ def test_wide_axis_is_the_tangent_or_across_it():
         np.testing.assert_allclose(lobes.narrow, _NARROW, rtol=1e-6)
     np.testing.assert_allclose(wider.tangent @ _ALONG, 1.0, rtol=1e-6)
     np.testing.assert_allclose(narrower.tangent @ _ALONG, 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("turn", [0.5, -0.5, 2.0])
+def test_products_cells_follow_the_brushing(turn, rng):
+    """Seen aslant to the brushing, in even light: weights of the product's samples spread by .22 to
+    .24 of the mean; by 3 where cells had the brushing mirrored at the plane of wo."""
+    along = np.float32([np.cos(turn), np.sin(turn), 0.0])
+    width, grain = np.full(1, 0.5, np.float32), 2.0 * along[None]
+    product = PointProduct(
+        light_of(constant_world()),
+        glossy(float(mean_roughness(width, grain)[0])),
+        wo=(0.0, 0.6, 0.8),
+        change=lambda lobes: stretch_lobes(lobes, width, grain),
+    )
+    wi, pdf = product.warp(rng.random((20_000, 2)))
+    weight = evaluated(product.lobes, 0, np.float32(wi)).sum(axis=1) / pdf
+    assert weight.std() < 0.3 * weight.mean()
 
 
 def test_sharp_brushing_has_no_fireflies(rng):
