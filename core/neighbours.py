@@ -185,15 +185,3 @@ def pool_spread(points, n, sums, neighbours, floor, totals, scatter, spread):
         part = visible / count
         squared = part * (1.0 - part) + around / degrees * part
         spread[i] = np.sqrt(max(squared, 0.0)) / (part + floor)
-
-
-def relative_spread(sums, neighbours: Neighbours, floor: float, points: np.ndarray) -> np.ndarray:
-    """r, float32, one for each of some points.
-
-    sums: incremental.PixelSums of all points; floor: a visibility; points: int32
-    """
-    n = len(neighbours.group)
-    spread = np.empty(len(points), np.float32)
-    room = np.empty((n, 4)), np.empty(n)
-    pool_spread(points, len(points), sums, neighbours, floor, *room, spread)
-    return spread

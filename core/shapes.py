@@ -54,12 +54,6 @@ def step_at(shapes: Shapes, time: float) -> tuple[int, np.float32]:
     return step, np.float32(time * last - step)
 
 
-def positions_at(shapes: Shapes, time: float) -> np.ndarray:
-    """float32 (n, 3): all of a shape's positions at a time."""
-    step, part = step_at(shapes, time)
-    return (_ONE - part) * shapes.positions[step] + part * shapes.positions[step + 1]
-
-
 def _found(shapes: Shapes, triangle: np.ndarray):
     """(which of the triangles a shape has, their rows in it)."""
     rows = np.searchsorted(shapes.triangle, triangle).clip(max=max(len(shapes.triangle) - 1, 0))

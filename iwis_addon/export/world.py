@@ -39,13 +39,6 @@ class WorldExport(NamedTuple):
     backdrop: EnvironmentMap | WorldProgram | None = None
 
 
-def export_world(
-    depsgraph_or_scene, warnings: list[str], cache: TexelCache | None = None
-) -> EnvironmentMap:
-    """The light alone of what read_world gives."""
-    return read_world(depsgraph_or_scene, warnings, cache).light
-
-
 def world_of(depsgraph_or_scene):
     """The world of a graph's view layer, or of a scene; None if there is none."""
     graph = depsgraph_or_scene

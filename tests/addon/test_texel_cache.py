@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from iwis.iwis_addon.export import ExportCache, texel_cache
-from iwis.iwis_addon.export.world import export_world
+from iwis.iwis_addon.export.world import read_world
 from support.world_render import add, new_image, new_world, save_image, some_texels, textured_world
 
 
@@ -29,9 +29,9 @@ class Reader:
         """The radiance, which must be what an export without a cache gives."""
         warnings, fresh_warnings = [], []
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        environment = export_world(depsgraph, warnings, self.cache)
+        environment = read_world(depsgraph, warnings, self.cache).light
         reads = self.reads
-        fresh = export_world(depsgraph, fresh_warnings)
+        fresh = read_world(depsgraph, fresh_warnings).light
         self.reads = reads
         np.testing.assert_array_equal(environment.radiance, fresh.radiance)
         assert warnings == fresh_warnings

@@ -6,7 +6,7 @@ import pytest
 
 from iwis.core.settings import RenderSettings
 from iwis.iwis_addon.cycles_settings import compare, copy_cycles_settings
-from iwis.iwis_addon.export.world import export_world
+from iwis.iwis_addon.export.world import read_world
 from iwis.iwis_addon.false_color import false_color, scale_of
 from iwis.iwis_addon.images import put_image
 from iwis.iwis_addon.job import RenderJob
@@ -45,7 +45,7 @@ def test_convert_world_replaces_a_sky_by_its_image(cube_scene):
     old, warnings = cube_scene.world, []
     assert bpy.ops.iwis.convert_world(height=16, samples=4) == {"FINISHED"}
     warnings.clear()
-    environment = export_world(cube_scene, warnings)
+    environment = read_world(cube_scene, warnings).light
     assert warnings == [] and environment.radiance.shape == (16, 32, 3)
     up, down = environment.radiance[-1].mean(), environment.radiance[0].mean()
     assert up > down and environment.radiance.std() > 0.0

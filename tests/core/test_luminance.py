@@ -7,7 +7,7 @@ from iwis.core.camera import camera_rays
 from iwis.core.incremental import new_sums
 from iwis.core.luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R, chroma, luminance
 from iwis.core.merged_layers import merge_layers
-from iwis.core.neighbours import no_neighbours, relative_spread
+from iwis.core.neighbours import no_neighbours
 from iwis.core.pass_sums import add_seen, close_passes, fill_spreads, new_pass_sums
 from iwis.core.scene import EnvironmentMap
 from iwis.core.seen_points import with_all_lobes
@@ -21,6 +21,7 @@ from support.scenes import (
     make_picture,
     make_scene,
 )
+from support.spreads import relative_spread
 
 WEIGHTS = np.array([LUMINANCE_R, LUMINANCE_G, LUMINANCE_B])
 RED, CYAN = np.array([1.0 / LUMINANCE_R, 0.0, 0.0]), np.array([0.0, 1.0, 1.0]) / (1 - LUMINANCE_R)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from iwis.core.coarse_pictures import Pace
-from iwis.core.near_rays import with_near_rays
+from iwis.core.near_rays import _on_disk, with_near_rays
 from iwis.core.program import Closure, Op, Program, Ref
 from iwis.core.progressive import render_progressive
 from iwis.core.render_cache import RenderCache
@@ -32,6 +32,17 @@ ONE = np.ones(3, np.float32)
 # 256 rays a pixel with the filter, 64 at its centre, in nets of Sobol's sequence: a pixel's
 # standard error is below .02, and the mean of 64 pixels an eighth of that.
 PIXEL, MEAN = 0.1, 0.008
+
+
+def test_places_on_the_disk_are_even():
+    """Of a square's 400 x 400 cells each of 16 sectors has as many, to a row of cells, each of 4
+    rings of one area as well; rays by them are those of the cosine."""
+    steps = np.float32((np.arange(400) + 0.5) / 200.0 - 1.0)
+    x, y = np.array([_on_disk(a, b) for a in steps for b in steps]).T
+    sector = np.int64((np.arctan2(y, x) / (2.0 * np.pi) + 0.5) * 16.0).clip(0, 15)
+    assert np.abs(np.bincount(sector, minlength=16) - 10_000).max() < 400
+    ring = np.int64(4.0 * (x * x + y * y)).clip(0, 3)
+    assert np.abs(np.bincount(ring, minlength=4) - 40_000).max() < 1600
 
 
 def _glows(distance=2.0, **settings):

@@ -11,8 +11,8 @@ from iwis.core.neighbours import (
     cell_order,
     find_neighbours,
     no_neighbours,
-    relative_spread,
 )
+from support.spreads import relative_spread
 
 
 def _random_points(rng, n=700, side=30):

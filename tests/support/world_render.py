@@ -8,7 +8,7 @@ import numpy as np
 from mathutils import Euler
 
 from iwis.core.environment import eval_environment_many, make_lookup
-from iwis.iwis_addon.export.world import export_world, read_world
+from iwis.iwis_addon.export.world import read_world
 from support.cycles_render import render_cycles
 
 # Asked for is 0.1 %. What is left: Cycles' smallest pixel filter moves a ray by up to .005 pixel,
@@ -126,7 +126,7 @@ def textured_world(tree, image, **values):
 
 def exported():
     warnings = []
-    environment = export_world(bpy.context.evaluated_depsgraph_get(), warnings)
+    environment = read_world(bpy.context.evaluated_depsgraph_get(), warnings).light
     return environment, warnings
 
 
