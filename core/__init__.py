@@ -5,7 +5,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     _kernel_files                                   -2  files of compiled kernels
     _parts, addresses                               -1  how kernels are put together; raw memory
     _jit, settings, program, lamps, object_motion,   0  how kernels are kept; all defaults
-    compile_apart, rows, turns, asked_passes, bake_points, copies
+    compile_apart, rows, turns, asked_passes, bake_points, copies, channels
     scene, sphere_map, haar, halton, film, stats,    1  plain data, maps, transforms, files
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, lamp_falloff, lamp_cones, prefetch, sheen_numbers,

@@ -13,9 +13,9 @@ from __future__ import annotations
 import numpy as np
 
 from .backdrop import Backdrop
+from .channels import LUMINANCE
 from .cutouts import in_holes, opacity_of
 from .incremental import PixelSums
-from .luminance import LUMINANCE
 from .pass_sums import PassSums, add_background, add_seen, new_pass_sums
 from .scene import HOLDOUT, SHADOW_CATCHER, Scene
 from .shading import ShadingPoints

@@ -7,12 +7,12 @@ import math
 import numpy as np
 
 from ._jit import kernel
+from .channels import LUMINANCE
 from .lambert_kinds import HAIR
 from .lamp_cones import cone_factor
 from .lamp_falloff import falloff_at
 from .lamps import BEAM, MESH, ROUND_BEAM, SUN, Lamps
 from .lobes import DIFFUSE_LOBE
-from .luminance import LUMINANCE
 from .near_meshes import is_near_mesh
 
 # Up to so many lamps all are sampled; of more, so many at each point.

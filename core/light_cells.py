@@ -15,8 +15,9 @@ import numpy as np
 
 from ._jit import kernel
 from .cell_lookup import LARGEST, look_up_cell, look_up_cells
+from .channels import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .environment import EnvironmentLookup, eval_map, fast_atan2
-from .luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R, luminance
+from .luminance import luminance
 from .pyramid import WHOLE_LEVELS, level_offset
 
 _MAX_LEVEL = 11

@@ -3,9 +3,7 @@
 import numpy as np
 
 from ._jit import kernel
-
-LUMINANCE_R, LUMINANCE_G, LUMINANCE_B = 0.2126, 0.7152, 0.0722  # Rec.709
-LUMINANCE = np.array([LUMINANCE_R, LUMINANCE_G, LUMINANCE_B])  # float64: light @ LUMINANCE
+from .channels import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 
 
 @kernel(forceinline=True)

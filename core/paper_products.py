@@ -12,9 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .channels import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .haar_product import MAX_COMMON, build_product_tree, count_common, product_integral
 from .lobes import MEASURED_LOBE
-from .luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R, luminance
+from .luminance import luminance
 from .paper_tables import N_PARTS
 from .sphere_map import hemisphere_to_square, sphere_to_square
 from .tables import SIDE

@@ -9,12 +9,12 @@ import numpy as np
 from .ambient_occlusion import TileOcclusion
 from .block_loop import PASSES_AT_ONCE
 from .catchers import CaughtPasses, has_role, plays
+from .channels import LUMINANCE
 from .cutouts import opacity_of
 from .guide import new_guides
 from .hair_setup import has_world
 from .incremental import PixelSums, new_sums
 from .light_groups import TileGroups
-from .luminance import LUMINANCE
 from .merged_layers import merge_layers, shown_normals, turns_normals
 from .pass_rays import PILOT, samples_of_a_pass
 from .pass_sums import PassSums, add_seen

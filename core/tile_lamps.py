@@ -12,11 +12,11 @@ import numpy as np
 
 from ._jit import kernel
 from .accel import Accel
+from .channels import LUMINANCE
 from .incremental import PixelSums
 from .lamp_light import LampSamples, add_lamp_light
 from .lamp_rays import COLUMNS, UNOCCLUDED
 from .lamps import MESH, Lamps, is_soft
-from .luminance import LUMINANCE
 from .pass_sums import PassSums
 from .scene import Scene
 from .seen_points import ClosureLayer, SeenPoints

@@ -39,7 +39,7 @@ MAY_IMPORT_OF_CORE = {
         "lamps",
         "emitters",
         "islands",
-        "luminance",
+        "channels",
         "object_motion",
         "program_ops",
         "subsurface",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..luminance import LUMINANCE as _REC709
+from ..channels import LUMINANCE as _REC709
 from ..rows import row_means
 
 LUMINANCE = _REC709.astype(np.float32)

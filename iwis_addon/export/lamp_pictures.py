@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
+from ...core.channels import LUMINANCE
 from ...core.lamps import BEAM, PLANE_EDGE, ROUND_BEAM, SPHERE
-from ...core.luminance import LUMINANCE
 from ...core.nodes.falloff import asks_for_distance
 from ...core.nodes.ies import IES
 from ...core.nodes.lamp_map import LampPlaces, even_color, lamp_falloff, lamp_picture

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.luminance import LUMINANCE
+from ...core.channels import LUMINANCE
 from .blackbody import blackbody_color
 from .seen_tree import name_of
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from iwis.core.camera import camera_rays
+from iwis.core.channels import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from iwis.core.incremental import new_sums
-from iwis.core.luminance import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R, chroma, luminance
+from iwis.core.luminance import chroma, luminance
 from iwis.core.merged_layers import merge_layers
 from iwis.core.neighbours import no_neighbours
 from iwis.core.pass_sums import add_seen, close_passes, fill_spreads, new_pass_sums
