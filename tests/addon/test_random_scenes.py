@@ -3,6 +3,7 @@
 import bpy
 import numpy as np
 import pytest
+from random_scenes import glowing
 from random_scenes.beside import Finding, compare
 from random_scenes.build import build
 from random_scenes.dice import Dice
@@ -15,6 +16,24 @@ def test_random_scene_agrees_with_cycles(scene, seed, tmp_path):
     scene, told = build(seed)
     found = compare(scene, tmp_path)
     assert not found.differs and not found.warnings, (str(found), told, found.warnings)
+
+
+@pytest.mark.parametrize("seed", [2, 4, 7])
+def test_what_glows_agrees_with_cycles(scene, seed, tmp_path):
+    """Pixel by pixel: there is no noise. glowing.py has the limits."""
+    scene, told = glowing.build(seed)
+    found = glowing.compare(scene, tmp_path)
+    assert found.cycles[..., :3].max() > 0.0
+    assert not found.differs and not found.warnings, (str(found), told, found.warnings)
+
+
+def test_what_glows_is_told_where_it_differs(scene, tmp_path, monkeypatch):
+    """A material a tenth brighter in one of the pictures is found."""
+    scene, _ = glowing.build(2)
+    rendered = glowing.render_iwis
+    brighter = lambda *given: {k: 1.1 * v for k, v in rendered(*given).items()}  # noqa: E731
+    monkeypatch.setattr(glowing, "render_iwis", brighter)
+    assert glowing.compare(scene, tmp_path).differs
 
 
 def test_a_seed_is_a_scene(scene):

@@ -81,10 +81,15 @@ def _compared(scene, folder, more, renders) -> Finding:
         error=float(max(error, spread)) / scale,
         difference=float(np.sqrt(max(squared - 2.0 * noise, 0.0))) / scale,
         alpha=float(a[..., 3].mean() - b[..., 3].mean()),
-        warnings=[w for w in told if not any(re.search(known, w) for known in FORESEEN)],
+        warnings=unforeseen(told),
         ours=a,
         cycles=b,
     )
+
+
+def unforeseen(warnings) -> list[str]:
+    """Those of a render that random scenes are not expected to give."""
+    return [w for w in warnings if not any(re.search(known, w) for known in FORESEEN)]
 
 
 def _variance_of_mean(pictures) -> float:

@@ -9,12 +9,13 @@ class Dice:
     """Throws of one seed.
 
     told: what has been chosen, for the report; bumps: whether normals may be turned
+    glows: whether all is to be shown as light, of any value
     """
 
-    def __init__(self, seed: int):
+    def __init__(self, seed: int, glows: bool = False):
         self._rng = np.random.default_rng(seed)
         self.told: list[str] = []
-        self.bumps = True
+        self.bumps, self.glows = True, glows
 
     def tell(self, what: str) -> None:
         """Add to the report."""

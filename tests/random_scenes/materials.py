@@ -18,6 +18,9 @@ def material(dice: Dice, may=frozenset(CLEAR)):
     if made.node_tree is None:
         made.use_nodes = True
     tree, before = Tree(made.node_tree), len(dice.told)
+    if dice.glows:
+        tree.glow(values.color(dice, tree, 3))
+        return made
     tree.surface(shader(dice, tree, dice.whole(0, 2), may))
     if dice.bumps and may & (CLEAR | OPAQUE) and dice.chance(0.2):
         _displace(dice, tree, made, "shines" in dice.told[before:])

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from .dice import Dice
+from parity.value_cases import choices
 
-_MATH = (
-    "ADD SUBTRACT MULTIPLY DIVIDE POWER MINIMUM MAXIMUM LESS_THAN GREATER_THAN SINE COSINE"
-    " FRACT FLOOR SQRT ABSOLUTE PINGPONG MODULO SNAP WRAP SMOOTH_MIN MULTIPLY_ADD EXPONENT"
-).split()
+from .dice import Dice
+from .vectors import bend
+
+_MATH = choices("ShaderNodeMath", "operation")
 _VECTOR = "LENGTH DOT_PRODUCT DISTANCE".split()
 # Nothing of how a surface lies to the ray where it may be alpha (shadows are grey then, warned).
 _SHAPE = "Pointiness", "Random Per Island"
@@ -19,7 +19,8 @@ def calculated(dice: Dice, tree, value):
     dice.tell(kind)
     if kind == "math":
         inputs = {0: value, 1: dice.edge(0.0, 2.0), 2: dice.between(0.1, 1.0)}
-        return tree.made("ShaderNodeMath", 0, inputs, operation=dice.of(*_MATH), use_clamp=True)
+        clamped = not dice.glows or dice.chance(0.5)
+        return tree.made("ShaderNodeMath", 0, inputs, operation=dice.of(*_MATH), use_clamp=clamped)
     if kind == "vector":
         place = tree.coordinates(dice.of("Object", "Generated", "UV"))
         inputs = {0: place, 1: dice.vector(-1.0, 1.0)}
@@ -27,12 +28,8 @@ def calculated(dice: Dice, tree, value):
         return tree.made("ShaderNodeMath", 0, {0: far, 1: value}, operation="MULTIPLY")
     if kind == "curve":
         node = tree.node("ShaderNodeFloatCurve")
-        curve = node.mapping.curves[0]
-        curve.points[0].location.y, curve.points[-1].location.y = (
-            dice.between(0, 1),
-            dice.edge(0, 1),
-        )
-        node.mapping.update()
+        bend(dice, node.mapping)
+        tree.link(dice.of(1.0, dice.between(0.0, 1.0)), node.inputs[0])
         tree.link(value, node.inputs["Value"])
         return node.outputs[0]
     if kind == "range":

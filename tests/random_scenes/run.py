@@ -1,5 +1,6 @@
 """Random scenes of some seeds: make random-scenes, or with ARGS="FIRST COUNT" others.
 
+With --glow before them: of scenes without noise, some ten a second, that show values of nodes.
 Seeds are rendered in a process of their own, some at a time: one that ends it is told as a crash.
 Pictures of seeds that differ are written into a folder, if one is given as third argument.
 """
@@ -16,17 +17,19 @@ from pathlib import Path
 import numpy as np
 
 COUNT = 100
-_DONE = "seed "
+_DONE, GLOW = "seed ", "--glow"
 
 
 def main(words) -> int:
     """Run seeds in processes; returns 0 if none is told of."""
+    kind, words = words[:1] if GLOW in words[:1] else [], [w for w in words if w != GLOW]
     first = int(words[0]) if words else 0
     last = first + (int(words[1]) if len(words) > 1 else COUNT)
     bad, seed = 0, first
     while seed < last:
         command = [sys.executable, "-m", "random_scenes.run", "--inside", str(seed), str(last)]
-        with subprocess.Popen([*command, *words[2:]], stdout=subprocess.PIPE, text=True) as child:
+        command += [*words[2:3], *kind]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
             for line in child.stdout:
                 if line.startswith(_DONE):
                     seed += 1
@@ -40,26 +43,26 @@ def main(words) -> int:
     return int(bad > 0)
 
 
-def _inside(first: int, last: int, pictures: Path | None) -> None:
+def _inside(first: int, last: int, pictures: Path | None, glows: bool) -> None:
     """Render seeds in this process, a line for each."""
     import iwis
 
     iwis.register()
     with tempfile.TemporaryDirectory() as folder:
         for seed in range(first, last):
-            sys.stdout.write(f"\n{_DONE}{seed}: {_line(seed, Path(folder), pictures)}\n")
+            sys.stdout.write(f"\n{_DONE}{seed}: {_line(seed, Path(folder), pictures, glows)}\n")
             sys.stdout.flush()
     os._exit(0)  # Blender 4.5 may hang as it ends
 
 
-def _line(seed: int, folder: Path, pictures: Path | None) -> str:
-    from .beside import compare
-    from .build import build
+def _line(seed: int, folder: Path, pictures: Path | None, glows: bool) -> str:
+    from . import beside, build, glowing
 
+    how = (glowing.build, glowing.compare) if glows else (build.build, beside.compare)
     told = []
     try:
-        scene, told = build(seed)
-        found = compare(scene, folder)
+        scene, told = how[0](seed)
+        found = how[1](scene, folder)
     except Exception:  # whatever it is, the next seed is rendered
         last = traceback.format_exc().strip().splitlines()
         return f"EXCEPTION {last[-1]} ({last[-3].strip()}) | {', '.join(told)}"
@@ -71,6 +74,7 @@ def _line(seed: int, folder: Path, pictures: Path | None) -> str:
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--inside"]:
-        where = Path(sys.argv[4]) if len(sys.argv) > 4 else None
-        _inside(int(sys.argv[2]), int(sys.argv[3]), where)
+        folders = [word for word in sys.argv[4:] if word != GLOW]
+        where = Path(folders[0]) if folders else None
+        _inside(int(sys.argv[2]), int(sys.argv[3]), where, GLOW in sys.argv)
     sys.exit(main(sys.argv[1:]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from parity.value_cases import BLENDS
 
-from . import attributes, nodes
+from . import attributes, nodes, textures, vectors
 from .dice import Dice
 
 _SPACES = "Linear Rec.709", "Display P3", "Rec.1886", "Linear Rec.2020"
@@ -23,8 +23,8 @@ def color(dice: Dice, tree, depth=2):
     """A colour."""
     if depth <= 0 or dice.chance(0.3):
         return dice.color()
-    kinds = _texture, _texture, _image, _image, _mixed, _changed, _ramp, _of_object, _grouped
-    return dice.of(*kinds)(dice, tree, depth)
+    kinds = [_texture, _texture, _image, _image, _mixed, _changed, _ramp, _of_object, _grouped]
+    return dice.of(*kinds, _vector, _vector)(dice, tree, depth)
 
 
 def place(dice: Dice, tree):
@@ -42,15 +42,6 @@ def place(dice: Dice, tree):
 
 
 def _factor(dice, tree, depth):
-    kinds = {
-        "ShaderNodeTexNoise": "Fac",
-        "ShaderNodeTexWave": "Fac",
-        "ShaderNodeTexChecker": "Fac",
-        "ShaderNodeTexGradient": "Fac",
-        "ShaderNodeTexBrick": "Fac",
-        "ShaderNodeTexGabor": "Value",
-        "ShaderNodeTexVoronoi": "Distance",
-    }
     if depth > 1 and dice.chance(0.2):
         return tree.made("ShaderNodeLayerWeight", dice.of("Fresnel", "Facing"), {"Blend": 0.3})
     if dice.chance(0.2):
@@ -59,33 +50,22 @@ def _factor(dice, tree, depth):
         return nodes.of_shape(dice, tree)
     if dice.chance(0.15):
         return attributes.read_number(dice, tree)
-    kind = dice.of(*kinds)
-    named = kind.endswith(("Voronoi", "Gabor"))
-    return _made(dice, tree, kind, kinds[kind] if named else 1)
-
-
-def _made(dice, tree, kind, output):
-    inputs = {"Vector": place(dice, tree)}
-    properties = {}
-    if kind == "ShaderNodeTexGradient":
-        types = ("LINEAR", "QUADRATIC", "EASING", "DIAGONAL", "SPHERICAL", "RADIAL")
-        properties["gradient_type"] = dice.of(*types)
-    else:
-        inputs["Scale"] = dice.spread(1.0, 6.0)
-    if kind == "ShaderNodeTexVoronoi":
-        properties["feature"] = dice.of("F1", "F2", "SMOOTH_F1")
-        properties["distance"] = dice.of("EUCLIDEAN", "MANHATTAN", "CHEBYCHEV")
-    if kind == "ShaderNodeTexNoise":
-        inputs |= {"Detail": dice.between(0.0, 4.0), "Distortion": dice.edge(0.0, 1.0)}
-    if kind == "ShaderNodeTexWave":
-        properties["wave_type"] = dice.of("BANDS", "RINGS")
-        inputs["Distortion"] = dice.edge(0.0, 3.0)
-    return tree.made(kind, output, inputs, **properties)
+    return textures.factor(dice, tree, place(dice, tree))
 
 
 def _texture(dice, tree, depth):
-    kind = f"ShaderNodeTex{dice.of('Noise', 'Checker', 'Magic', 'Brick', 'Wave', 'Voronoi')}"
-    return _made(dice, tree, kind, "Color")
+    return textures.colored(dice, tree, place(dice, tree))
+
+
+def _vector(dice, tree, depth):
+    """A vector as a colour; of lit surfaces from 0 to 1."""
+    value, given = number(dice, tree, depth=depth - 1), color(dice, tree, depth - 1)
+    made = vectors.vector(dice, tree, value, given)
+    if dice.glows:
+        return made
+    settings = {"data_type": "RGBA", "clamp_result": True}
+    inputs = {"Factor_Float": 0.0, "A_Color": made}
+    return tree.made("ShaderNodeMix", "Result_Color", inputs, **settings)
 
 
 def _image(dice, tree, depth):
@@ -112,6 +92,8 @@ def _image(dice, tree, depth):
 def _mixed(dice, tree, depth):
     settings = {"data_type": "RGBA", "blend_type": dice.of(*BLENDS), "clamp_result": True}
     settings["clamp_factor"] = dice.chance(0.8)
+    if dice.glows:
+        settings["clamp_result"] = dice.chance(0.5)
     inputs = {
         "Factor_Float": number(dice, tree, depth=depth - 1),
         "A_Color": color(dice, tree, depth - 1),
@@ -132,18 +114,8 @@ def _changed(dice, tree, depth):
         inputs |= {"Bright": dice.between(0.0, 0.3), "Contrast": dice.between(-0.2, 0.2)}
     made = tree.made(f"ShaderNode{kind}", "Color", inputs)
     if kind == "RGBCurve":
-        _bend(dice, made.node.mapping)
+        vectors.bend(dice, made.node.mapping)
     return made
-
-
-def _bend(dice, mapping):
-    """Turn the curves of a node, some of them sharply, within 0 to 1."""
-    for curve in mapping.curves:
-        curve.points.new(dice.between(0.1, 0.9), dice.between(0.1, 0.9))
-        for point in curve.points:
-            point.handle_type = dice.of("AUTO", "AUTO_CLAMPED", "VECTOR")
-    mapping.extend = dice.of("HORIZONTAL", "EXTRAPOLATED")
-    mapping.update()
 
 
 def _grouped(dice, tree, depth):
