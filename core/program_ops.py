@@ -36,7 +36,8 @@ def is_of_corners(op: Op) -> bool:
     which have the same there look the same, whatever object they are of."""
     outputs = op.settings.get("outputs", set())
     if op.kind == "ShaderNodeTexCoord":
-        return outputs <= {"UV"} and "world_to_object" not in op.settings
+        elsewhere = "world_to_object" in op.settings or op.settings.get("from_instancer")
+        return outputs <= {"UV"} and not elsewhere
     if op.kind == "ShaderNodeTexImage":
         return op.settings["projection"] == "FLAT"
     if op.kind == "object_attribute":

@@ -195,6 +195,11 @@ class ShadeContext:
         kernels().interpolate(table, *own, value)
         return value
 
+    def of_object(self, name: str) -> np.ndarray:
+        """float32 (n, 4): what objects have of that name; 0 where none has."""
+        table = self.surface.object_tables.get(name)
+        return np.zeros((len(self), 4), np.float32) if table is None else table[self.object]
+
     def uv(self, name: str = "") -> np.ndarray:
         """float32 (n, 3) of a UV map, of the active one for ""; 0 where there is none."""
         found, value = np.zeros((len(self), 3), np.float32), self.attribute(f"uv:{name}")

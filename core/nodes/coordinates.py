@@ -47,8 +47,15 @@ _COORDINATES = {
 
 
 def texture_coordinate(context, settings, inputs):
-    """settings: outputs, those that are used; world_to_object float32 (4, 4), of another object."""
-    return {name: _COORDINATES[name](context, settings) for name in settings["outputs"]}
+    """settings: outputs, those that are used; world_to_object float32 (4, 4), of another object;
+    from_instancer, whether Generated and UV are an instance's places on what made it"""
+    made = {"Generated", "UV"} if settings.get("from_instancer") else set()
+    return {
+        name: context.of_object(f"origin:{name}")[:, :3]
+        if name in made
+        else _COORDINATES[name](context, settings)
+        for name in settings["outputs"]
+    }
 
 
 def uv_map(context, settings, inputs):
@@ -73,8 +80,7 @@ def attribute(context, settings, inputs):
 
 def object_attribute(context, settings, inputs):
     """The object's own value. settings: table, its name among SurfaceData.object_tables"""
-    table = context.surface.object_tables.get(settings["table"])
-    value = np.zeros((len(context), 4), np.float32) if table is None else table[context.object]
+    value = context.of_object(settings["table"])
     color = value[:, :3]
     return {"Color": color, "Vector": color, "Fac": color.mean(-1), "Alpha": value[:, 3]}
 

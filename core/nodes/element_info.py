@@ -1,10 +1,14 @@
-"""Nodes that tell of strands and points: Curves Info and Point Info. Elsewhere all is 0."""
+"""Nodes that tell of strands, points and particles: Curves Info, Point Info, Particle Info.
+
+Elsewhere all is 0.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..rows import any_in_row
+from .hashing import hash_words
 from .values import column, dot, length, normalized
 
 _OF_ONE_AXIS = np.float32(3.0**-0.5)
@@ -64,4 +68,21 @@ def point_info(context, settings, inputs):
     return {name: values[name]() for name in settings["outputs"]}
 
 
-FUNCTIONS = {"ShaderNodeHairInfo": curves_info, "ShaderNodePointInfo": point_info}
+def particle_info(context, settings, inputs):
+    """Of the particle that an instance stands for. settings: outputs, those that are used"""
+    return {name: _of_particle(context, name) for name in settings["outputs"]}
+
+
+def _of_particle(context, name):
+    if name == "Random":
+        index = context.of_object("origin:Index")[:, 0].astype(np.uint32)
+        return hash_words(index, np.zeros_like(index)).astype(np.float32) / np.float32(0xFFFFFFFF)
+    values = context.of_object(f"origin:{name}")
+    return values[:, :3] if name in ("Location", "Velocity", "Angular Velocity") else values[:, 0]
+
+
+FUNCTIONS = {
+    "ShaderNodeHairInfo": curves_info,
+    "ShaderNodePointInfo": point_info,
+    "ShaderNodeParticleInfo": particle_info,
+}

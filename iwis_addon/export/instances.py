@@ -22,7 +22,8 @@ from .left_out import UNSUPPORTED_TYPES, LeftOut
 from .light_groups import group_numbers, group_of
 from .local_mesh import LiveMeshes, LocalMesh
 from .object_flags import flags_of
-from .object_properties import Asked, asks_instancers, outermost_index
+from .object_properties import Asked
+from .origins import Origin, Origins
 from .particle_hair import hair_modifiers
 from .parts import WITH_SURFACE, PartReader
 from .program_images import ImageStore
@@ -59,13 +60,13 @@ class Look(NamedTuple):
     """What an instance's materials may ask of its object.
 
     color: rgba, of what made it; random: 0 ... 1, other for each instance; asked: whose properties
-    index: of object_properties.outermost_index, where a material asks, else -1
+    origin: what a material asks of how it was made
     """
 
     color: tuple
     random: float
     asked: Asked
-    index: int
+    origin: Origin
 
 
 class Inventory(NamedTuple):
@@ -125,9 +126,8 @@ class _Collector:
         self._material_rows: dict[int, int] = {}
         self._parts: dict[tuple, tuple[int | None, list[int]]] = {}
         self._items: dict[tuple, _Item] = {}
-        self._asks_instancers = asks_instancers()
         self._named: list[int] = []  # rows whose random number comes from their name
-        scene = depsgraph.scene_eval
+        scene, self._origins = depsgraph.scene_eval, Origins(depsgraph.scene_eval)
         layer = depsgraph.view_layer_eval, scene, scene.world
         groups = group_numbers(layer[0]) if live is None else {}
         self.inventory = Inventory([], [], [], [], [], [], LampLinks(depsgraph), groups, layer)
@@ -222,8 +222,8 @@ class _Collector:
         if not item.is_instance:
             self._named.append(len(self.inventory.looks))
         number = item.random_id & _WORD if item.is_instance else -1
-        index = outermost_index(item) if self._asks_instancers else -1
-        self.inventory.looks.append(Look(own.color, max(number, 0) / _WORD, own.asked, index))
+        origin = self._origins.of(item)
+        self.inventory.looks.append(Look(own.color, max(number, 0) / _WORD, own.asked, origin))
         self.inventory.instances.append(
             Instance(
                 own.name,

@@ -39,6 +39,8 @@ class _LampBuilder(ProgramBuilder):
     asked, layer: whose properties an Attribute node reads, as for object_properties.blocks_of
     """
 
+    of_instances = False
+
     def __init__(self, reader, images, asked: Asked, layer: tuple):
         super().__init__(reader, images, layer[1])
         self._asked, self._layer = asked, layer

@@ -14,6 +14,7 @@ from ...core.nodes.wireframe import OF_ELEMENTS
 from ...core.program import Op, Program, Ref, Value
 from .image import luminance_of_channels
 from .node_values import NodeReader, follow
+from .origins import ORIGIN, PARTICLE
 from .program_nodes import HANDLERS, PURE, SETTINGS
 from .seen_tree import name_of
 
@@ -55,7 +56,10 @@ class ProgramBuilder:
     depsgraph: or a scene, whose time nodes ask for; None: no node may
     requests: names of the mesh data that they need (surface_data.py)
     displaced: the normal that displacement leaves, a vector; None: the surface's own
+    of_instances: whether nodes may ask how an instance was made
     """
+
+    of_instances = True
 
     def __init__(self, reader: NodeReader, images, depsgraph=None):
         self.reader, self.images, self.depsgraph = reader, images, depsgraph
@@ -102,6 +106,12 @@ class ProgramBuilder:
         """What feeds a normal; else the displaced one; None: the surface's own."""
         found = self.vector_if_linked(node, name, groups)
         return self.displaced if found is None else found
+
+    def of_origin(self, name: str) -> Value:
+        """A vector that an instance has of its instancer."""
+        settings = {"table": f"{ORIGIN}:{name}", "outputs": set()}
+        self.requests.add(settings["table"])
+        return Ref(self.add_node(None, (), "object_attribute", {}, settings), "Vector")
 
     def run(self, kind: str, output: str = "", **settings_and_inputs) -> Value:
         """An operation of our own, one that no node stands for."""
@@ -208,7 +218,11 @@ class ProgramBuilder:
 
     def _request(self, node, output):
         if node.bl_idname == "ShaderNodeTexCoord" and output in ("Generated", "UV"):
-            self.requests.add({"Generated": "generated", "UV": "uv:"}[output])
+            own = {"Generated": "generated", "UV": "uv:"}[output]
+            made = node.from_instancer and self.of_instances
+            self.requests.add(f"{ORIGIN}:{output}" if made else own)
+        elif node.bl_idname == PARTICLE:
+            self.requests.add(f"{ORIGIN}:{'Index' if output == 'Random' else output}")
         elif node.bl_idname in _ELEMENTS:
             names = _ELEMENTS[node.bl_idname].get(output, (output,))
             self.requests.update(f"element:{name}" for name in names)

@@ -12,6 +12,7 @@ from ...core.nodes.falloff import LIGHT_FALLOFF
 from ...core.program import Ref
 from .blackbody import blackbody_color, blackbody_settings
 from .object_properties import TABLES
+from .origins import PARTICLE
 from .program_images import image_settings
 
 # bl_idname -> properties; the operation has the same name (core/nodes).
@@ -84,15 +85,23 @@ _TABLE = 257  # values of a ramp or curve, as in Cycles: every 1/256
 
 
 def _texture_coordinate(builder, node, groups):
-    settings = {"outputs": set()}
-    if node.from_instancer:
+    settings = {"outputs": set(), "from_instancer": node.from_instancer and builder.of_instances}
+    if node.from_instancer and not builder.of_instances:
         builder.reader.warn(node, "From Instancer is not supported: the object's own coordinates")
     if node.object is not None:
         settings["world_to_object"] = np.array(node.object.matrix_world.inverted_safe())
     return builder.add_node(node, groups, "ShaderNodeTexCoord", {}, settings)
 
 
+def _particle_info(builder, node, groups):
+    if not builder.of_instances:
+        return None
+    return builder.add_node(node, groups, node.bl_idname, {}, {"outputs": set()})
+
+
 def _uv_map(builder, node, groups):
+    if node.from_instancer and builder.of_instances:
+        return {"UV": builder.of_origin("UV")}
     if node.from_instancer:
         builder.reader.warn(node, "From Instancer is not supported: the object's own UV map")
     builder.requests.add(f"uv:{node.uv_map}")
@@ -262,6 +271,7 @@ HANDLERS = {
     "ShaderNodeVectorDisplacement": _displacement,
     "ShaderNodeTexCoord": _texture_coordinate,
     "ShaderNodeUVMap": _uv_map,
+    PARTICLE: _particle_info,
     "ShaderNodeVertexColor": _color_attribute,
     "ShaderNodeAttribute": _attribute,
     "ShaderNodeNormalMap": _normal_map,

@@ -9,7 +9,7 @@ many instances it has; each triangle of the scene knows its row.
     element:NAME    of points and strands (element_values.py), and of a mesh's shape
 
 A table of objects holds a value for each instance: object:NAME, instancer:NAME and layer:NAME, of
-object_properties.py.
+object_properties.py, and origin:NAME, of origins.py.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from .element_values import read_values as _get
 from .instances import Inventory
 from .mesh_shape import islands, pointiness
 from .object_properties import TABLES, InstanceValues, blocks_of, rgba_of
+from .origins import ORIGIN
 
 
 def surface_data(
@@ -39,7 +40,8 @@ def surface_data(
     instances = inventory.instances
     wanted = [frozenset().union(*(requests[row] for row in i.slots)) for i in instances]
     names = sorted(frozenset().union(*wanted)) if wanted else []
-    of_objects = {name for name in names if name.partition(":")[0] in TABLES.values()}
+    kinds = {ORIGIN, *TABLES.values()}
+    of_objects = {name for name in names if name.partition(":")[0] in kinds}
     of_part: dict[int, set[str]] = {}
     for instance, some in zip(instances, wanted, strict=True):
         if not some <= of_objects:
@@ -107,12 +109,15 @@ def _tables(inventory, of_part, names):
 
 
 def _object_values(inventory, name) -> np.ndarray:
-    """float32 (n, 4), by instance. name: a kind of object_properties.py and what it is to find"""
+    """float32 (n, 4), by instance. name: a kind of table and what it is to find"""
     kind, _, own = name.partition(":")
+    if kind == ORIGIN:
+        values = [look.origin.value(own) for look in inventory.looks]
+        return np.array(values, np.float32).reshape(-1, 4)
     made, known = InstanceValues(), {}
     values = np.zeros((len(inventory.looks), 4), np.float32)
     for row, look in enumerate(inventory.looks):
-        found = made.rgba_of(look.asked, look.index, own) if kind == "instancer" else None
+        found = made.rgba_of(look.asked, look.origin.index, own) if kind == "instancer" else None
         key = id(look.asked)  # an object's instances share it
         if found is None and key not in known:
             known[key] = rgba_of(blocks_of(kind, look.asked, inventory.layer), own)
