@@ -48,6 +48,7 @@ MAY_IMPORT_OF_CORE = {
         "nodes/falloff",
         "nodes/hashing",
         "nodes/ies",
+        "nodes/images",
         "nodes/lamp_map",
         "nodes/typical",
         "nodes/wireframe",

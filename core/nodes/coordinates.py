@@ -13,6 +13,8 @@ from .element_info import element_number
 from .values import column, divided, dot, length, normalized, parts, vector
 
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
+# Columns of an attribute -> the one that is its Fac, which else is the mean.
+_FACTOR_OF = {1: 0, 2: 0, 5: 4}
 
 
 def _window(context):
@@ -63,19 +65,21 @@ def uv_map(context, settings, inputs):
 
 
 def attribute(context, settings, inputs):
-    """settings: table, the name of the values."""
+    """settings: table, the name of the values: numbers, vectors of two or three, colors with alpha,
+    or, where meshes have different ones, colors with alpha and Fac"""
     value = context.attribute(settings["table"])
     if value is None:  # there is none of that name: black, but opaque, as in Cycles
         value = np.zeros((len(context), 3), np.float32)
     width = value.shape[-1]
-    alpha = value[..., 3] if width == 4 else _ONE
+    alpha = value[..., 3] if width >= 4 else _ONE
     if width == 1:
         color = np.repeat(value, 3, -1)
     elif width == 2:
         color = np.concatenate([value, np.zeros_like(value[..., :1])], -1)
     else:
         color = value[..., :3]
-    return {"Color": color, "Vector": color, "Fac": color.mean(-1), "Alpha": alpha}
+    factor = value[..., _FACTOR_OF[width]] if width in _FACTOR_OF else color.mean(-1)
+    return {"Color": color, "Vector": color, "Fac": factor, "Alpha": alpha}
 
 
 def object_attribute(context, settings, inputs):

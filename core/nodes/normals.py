@@ -15,7 +15,8 @@ from .values import as_number, as_vector, column, dot, length, normalized, parts
 def normal_map(context, settings, inputs):
     """settings: space, table (name of the tangents at the corners, width 4: sign last), downward:
     whether green is along -y, original: whether what is displaced has the map on its shape before,
-    follows: whether tangents are of its shape now
+    follows: whether tangents are of its shape now, unit: whether normals are, between corners,
+    before they are turned
     """
     n = len(context)
     color = 2.0 * as_vector(inputs["Color"], n) - 1.0
@@ -29,10 +30,11 @@ def normal_map(context, settings, inputs):
         if table is None:
             return {"Normal": context.normal}
         moved = _moved_tangents(context, table) if settings["follows"] else table
-        turned = _about_tangents(context, context.object_normal, moved, color, given)
+        own = normalized(context.object_normal) if settings["unit"] else context.object_normal
+        turned = _about_tangents(context, own, moved, color, given)
         front = np.where(back, -context.normal, context.normal)
         if settings["original"] and context.rest is not None:
-            before = context.at_rest().object_normal
+            before = context.at_rest().object_normal  # unit or not: there is no other in 5.2
             before = _about_tangents(context, before, table, color, np.ones_like(strength))
             before = normalized(front + (before - front) * column(strength))
             turned = np.where(context.rest.smooth[context.triangle][:, None], before, turned)

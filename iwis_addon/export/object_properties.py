@@ -84,7 +84,10 @@ class InstanceValues:
 
 def _of_instances(instancer, name) -> np.ndarray | None:
     """float32 (n, 4), of the instances that an object makes."""
-    geometry = instancer.evaluated_geometry()  # held: what it has made goes with it
+    try:
+        geometry = instancer.evaluated_geometry()  # held: what it has made goes with it
+    except TypeError:  # an empty, which shows a collection
+        return None
     points = geometry.instances_pointcloud()
     attribute = None if points is None else attribute_of(points, name)
     if attribute is None:

@@ -6,6 +6,7 @@ of constant outputs by identifier, or None where the node cannot be followed.
 
 from __future__ import annotations
 
+import bpy
 import numpy as np
 
 from ...core.nodes.falloff import LIGHT_FALLOFF
@@ -133,6 +134,7 @@ def _normal_map(builder, node, groups):
         "downward": getattr(node, "convention", "OPENGL") == "DIRECTX",
         "original": getattr(node, "base", "") == "ORIGINAL",
         "follows": getattr(node, "base", "") == "DISPLACED",  # since Blender 5.2
+        "unit": bpy.app.version >= (5, 0),
     }
     if node.space == "TANGENT":
         settings["table"] = f"tangent:{node.uv_map}"

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...core.nodes.images import srgb_decode
 from ...core.program import SurfaceData
 from ...core.scene import TriangleMesh
 from .element_values import READ, ElementReader
@@ -24,6 +25,7 @@ from .instances import Inventory
 from .mesh_shape import islands, pointiness
 from .object_properties import TABLES, InstanceValues, blocks_of, rgba_of
 from .origins import ORIGIN
+from .tangents import uv_tangents
 
 
 def surface_data(
@@ -91,21 +93,35 @@ def _tables(inventory, of_part, names):
         widths = [v.shape[2] for v in values if v is not None]
         if not widths:
             continue
-        width = max(widths)
         if len(of_part) == 1:
             tables[name] = np.ascontiguousarray(values[0], np.float32)
             continue
         sizes = [len(inventory.parts[part].triangles) for part in of_part]
-        table = np.zeros((row, 3, width), np.float32)
-        begin = 0
-        for value, size in zip(values, sizes, strict=True):
-            if value is not None:
-                table[begin : begin + size, :, : value.shape[2]] = value
-                if width == 4 and value.shape[2] < 4:
-                    table[begin : begin + size, :, 3] = 1.0
-            begin += size
-        tables[name] = table
+        tables[name] = _joined(values, widths, sizes)
     return first, tables
+
+
+def _joined(values, widths, sizes) -> np.ndarray:
+    """float32 (rows, 3, width) of those of some parts, None: it has none, black and opaque.
+
+    Where parts have attributes of several kinds by one name, width is 5 (coordinates.attribute).
+    """
+    width = widths[0] if len(set(widths)) == 1 else 5
+    table, begin = np.zeros((sum(sizes), 3, width), np.float32), 0
+    for value, size in zip(values, sizes, strict=True):
+        own = table[begin : begin + size]
+        begin += size
+        if width >= 4:
+            own[..., 3] = 1.0
+        if value is None:
+            continue
+        if width < 5 or value.shape[2] != 1:
+            own[..., : value.shape[2]] = value
+        else:
+            own[..., :3] = value
+        if width == 5:
+            own[..., 4] = value[..., 0] if value.shape[2] < 3 else value[..., :3].mean(-1)
+    return table
 
 
 def _object_values(inventory, name) -> np.ndarray:
@@ -172,11 +188,13 @@ class _MeshReader:
         if attribute.domain == "FACE":
             polygons = _get(self._mesh.loop_triangles, "polygon_index", 1, np.int32)[:, 0]
             return np.repeat(values[polygons][:, None], 3, 1)
+        if attribute.data_type == "BYTE_COLOR":
+            values = _get(attribute.data, "color_srgb", 4, np.float32)
         return self._of_points(self._mean_of_edges(values, attribute.data_type))
 
     def _mean_of_edges(self, values, kind) -> np.ndarray:
         """What vertices have of their edges, as Blender brings it there: the mean, rounded
-        where it is whole, of truth any."""
+        where it is whole, of truth any; of bytes of colors, cut off."""
         ends, n = _get(self._mesh.edges, "vertices", 2, np.int32).T, len(self._mesh.vertices)
         at, twice = ends.ravel(), np.tile(values.reshape(len(values), -1), (2, 1))
         sums = np.stack([np.bincount(at, column, n) for column in twice.T], -1)
@@ -185,6 +203,9 @@ class _MeshReader:
             means = sums > 0.0
         elif kind.startswith("INT"):
             means = np.floor(means + 0.5)
+        elif kind == "BYTE_COLOR":
+            means = np.floor(means * 255.0 + 1e-3) / 255.0
+            means[:, :3] = srgb_decode(means[:, :3])
         return means.reshape(n, *values.shape[1:]).astype(np.float32)
 
     def _generated(self, _):
@@ -202,34 +223,4 @@ class _MeshReader:
         return None  # of points and strands alone
 
     def _tangent(self, name):
-        mesh = self._mesh
-        layers = mesh.uv_layers
-        layer = layers.get(name) if name else next((x for x in layers if x.active_render), None)
-        if layer is None:
-            return None
-        try:
-            mesh.calc_tangents(uvmap=layer.name)
-        except RuntimeError:  # a face has more than four corners
-            return self._flat_tangents(layer)
-        values = np.concatenate(
-            [
-                _get(mesh.loops, "tangent", 3, np.float32),
-                _get(mesh.loops, "bitangent_sign", 1, np.float32),
-            ],
-            -1,
-        )
-        mesh.free_tangents()
-        return self._of_corners(values)
-
-    def _flat_tangents(self, layer):
-        """Of each triangle by itself."""
-        uv = self._of_corners(_get(layer.uv, "vector", 2, np.float32))
-        p = self._of_points(_get(self._mesh.vertices, "co", 3, np.float32))
-        (du1, dv1), (du2, dv2) = ((uv[:, k] - uv[:, 0]).T for k in (1, 2))
-        along = (p[:, 1] - p[:, 0]) * dv2[:, None] - (p[:, 2] - p[:, 0]) * dv1[:, None]
-        determinant = du1 * dv2 - du2 * dv1
-        along *= np.sign(determinant)[:, None]
-        size = np.linalg.norm(along, axis=1, keepdims=True)
-        along = np.divide(along, size, out=np.zeros_like(along), where=size > 0.0)
-        value = np.concatenate([along, np.sign(determinant)[:, None]], -1).astype(np.float32)
-        return np.repeat(value[:, None], 3, 1)
+        return uv_tangents(self._mesh, name, self._corners)

@@ -2,6 +2,9 @@
 
 import functools
 
+import bpy
+from mathutils import Matrix
+
 from . import cases
 from .cases import CASES, Case
 from .lit_cases import principled
@@ -41,3 +44,56 @@ for _model in ("MICROFIBER", "ASHIKHMIN"):
         f"Sheen BSDF {_model}",
         lambda t, m=_model: t.made("ShaderNodeBsdfSheen", 0, distribution=m),
     )
+
+
+def _without_uv(name, make, smooth, kind="uv_sphere"):
+    """Shown as light, on meshes without UV maps, some of them moved off their middle."""
+
+    def build(scene, tree):
+        bpy.data.objects.remove(scene.objects["Sphere"])
+        adds = {"uv_sphere": {"segments": 24, "ring_count": 12}, "monkey": {"size": 1.9}}
+        getattr(bpy.ops.mesh, f"primitive_{kind}_add")(location=(-1.1, 0, 0), **adds[kind])
+        bpy.context.object.data.materials.append(bpy.data.materials["M"])
+        for obj in scene.objects:
+            if obj.type == "MESH":
+                while len(obj.data.uv_layers):
+                    obj.data.uv_layers.remove(obj.data.uv_layers[0])
+                obj.data.polygons.foreach_set("use_smooth", [smooth] * len(obj.data.polygons))
+                obj.data.transform(Matrix.Translation((0.2, -0.1, 0.3)))
+        inputs = {0: make(tree), 1: (0.5, 0.5, 0.5), 2: (0.5, 0.5, 0.5)}
+        tree.glow(tree.made("ShaderNodeVectorMath", 0, inputs, operation="MULTIPLY_ADD"))
+
+    looks = "smooth" if smooth else "flat"
+    CASES.append(Case(f"{name}, without a UV map, {kind}, {looks}", build))
+
+
+def _uv_tangent(tree):
+    return tree.made("ShaderNodeTangent", 0, direction_type="UV_MAP")
+
+
+def _map(tree):
+    return tree.made("ShaderNodeNormalMap", 0, {"Color": (0.7, 0.6, 0.9)})
+
+
+for _smooth in (False, True):
+    for _kind in ("uv_sphere", "monkey"):
+        _without_uv("Tangent", _uv_tangent, _smooth, _kind)
+        _without_uv("Normal Map", _map, _smooth, _kind)
+
+
+def _coarse_map(color):
+    """A cube and a floor that are smooth, so that normals between their corners are short."""
+
+    def build(scene, tree):
+        for obj in scene.objects:
+            if obj.type == "MESH":
+                obj.data.shade_smooth()
+        turned = tree.made("ShaderNodeNormalMap", 0, {"Color": color})
+        inputs = {0: turned, 1: (0.5, 0.5, 0.5), 2: (0.5, 0.5, 0.5)}
+        tree.glow(tree.made("ShaderNodeVectorMath", 0, inputs, operation="MULTIPLY_ADD"))
+
+    return build
+
+
+for _color in ((0.7, 0.6, 0.9), (0.8, 0.5, 0.9)):
+    CASES.append(Case(f"Normal Map TANGENT {_color}, coarse and smooth", _coarse_map(_color)))

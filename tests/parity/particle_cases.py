@@ -8,7 +8,7 @@ from .cases import CASES, Case
 from .scene import Tree
 
 # The parts that show them; ages and places are of ten frames.
-_SCALES = {
+SCALES = {
     "Index": 0.01,
     "Random": 1.0,
     "Age": 0.1,
@@ -43,7 +43,7 @@ def _info(kind, output):
     def build(scene, tree):
         _particles(kind)
         value = tree.made("ShaderNodeParticleInfo", output)
-        inputs = {0: value, 1: (_SCALES[output],) * 3}
+        inputs = {0: value, 1: (SCALES[output],) * 3}
         tree.glow(tree.made("ShaderNodeVectorMath", 0, inputs, operation="MULTIPLY"))
         for frame in range(1, 11):  # particles are simulated from one frame to the next
             scene.frame_set(frame)
@@ -51,7 +51,7 @@ def _info(kind, output):
     return build
 
 
-for _output in _SCALES:
+for _output in SCALES:
     CASES.append(Case(f"Particle Info {_output}", _info("EMITTER", _output)))
 for _output in ("Index", "Location", "Size"):
     CASES.append(Case(f"Particle Info {_output}, of hair", _info("HAIR", _output)))

@@ -177,12 +177,58 @@ def _of_edges(kind, field):
                 own = obj.data.attributes.new("Edges", kind, "EDGE")
                 for k, value in enumerate(own.data):
                     new = (k % 3 / 2, k % 5 / 4, k % 7 / 6)
-                    setattr(value, field, new if field == "vector" else k % 3 % 2)
-        output = "Vector" if field == "vector" else "Fac"
+                    new = (*new, 0.3 * new[0]) if field == "color" else new
+                    setattr(value, field, k % 3 % 2 if field == "value" else new)
+        output = "Fac" if field == "value" else "Vector"
         tree.glow(tree.made("ShaderNodeAttribute", output, attribute_name="Edges"))
 
     CASES.append(Case(f"Attribute of edges, {kind}", build))
 
 
-for _kind, _field in (("FLOAT_VECTOR", "vector"), ("INT", "value"), ("BOOLEAN", "value")):
+for _kind, _field in (
+    ("FLOAT_VECTOR", "vector"),
+    ("INT", "value"),
+    ("BOOLEAN", "value"),
+    ("BYTE_COLOR", "color"),
+):
     _of_edges(_kind, _field)
+
+
+_KINDS = {
+    "FLOAT": ("value", 0.7),
+    "FLOAT2": ("vector", (0.6, 0.3)),
+    "FLOAT_COLOR": ("color", (0.2, 0.5, 0.9, 0.4)),
+}
+
+
+def _of_kinds(output, kinds):
+    """An attribute of one name and other kinds on the objects of a material; the last has none."""
+
+    def build(scene, tree):
+        for obj, kind in zip(scene.objects, kinds, strict=False):
+            field, most = _KINDS[kind]
+            own = obj.data.attributes.new("Own", kind, "POINT")
+            for k, value in enumerate(own.data):
+                part = k % 3 / 2
+                new = tuple(part * m for m in most) if field != "value" else part * most
+                setattr(value, field, new)
+        tree.glow(tree.made("ShaderNodeAttribute", output, attribute_name="Own"))
+
+    return build
+
+
+for _output in ("Color", "Fac", "Alpha"):
+    CASES.append(Case(f"Attribute of several kinds, {_output}", _of_kinds(_output, [*_KINDS])))
+    two = _of_kinds(_output, ["FLOAT", "FLOAT_COLOR"])
+    CASES.append(Case(f"Attribute of several kinds and none, {_output}", two))
+CASES.append(Case("Attribute of two numbers, Fac", _of_kinds("Fac", ["FLOAT2"])))
+
+
+def _of_empties(scene, tree):
+    """Instancers that are empties have no attributes."""
+    _with_properties(scene)
+    _colored_instances("collection")(scene, tree)
+    _attribute("INSTANCER", "number", "Color")(scene, tree)
+
+
+CASES.append(Case("Attribute of an instancer, of a collection", _of_empties))
