@@ -63,6 +63,7 @@ def test_dice_stay_within_their_limits():
         ({"bias": 0.02, "error": 0.01}, False),
         ({"difference": 0.2}, True),
         ({"alpha": -0.2}, True),
+        ({"groups": 0.02}, True),
     ],
 )
 def test_what_noise_does_not_explain_differs(numbers, differs):

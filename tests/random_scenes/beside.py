@@ -11,7 +11,7 @@ import numpy as np
 
 from iwis.iwis_addon.job import RenderJob
 from support.cycles_render import render_cycles
-from support.iwis_render import render_iwis
+from support.iwis_render import by_pass, render_iwis
 
 # Shading points of a pixel, shadow rays of each, and Cycles' samples; times four for a second look.
 POINTS, BATCH, SAMPLES = 32, 4, 64
@@ -21,6 +21,7 @@ FILTER_WIDTH = 1.5
 LEAST_BIAS, ERRORS = 0.005, 3.0
 # Of the mean, root mean square over blocks of pixels without their noise: what is somewhere else.
 BLOCK, MOST_DIFFERENCE = 4, 0.05
+_GROUP = "Combined_"
 # Warnings that random scenes are expected to give (docs/what-is-supported.md).
 FORESEEN = (
     "emission depends on",
@@ -37,6 +38,7 @@ class Finding(NamedTuple):
     """bias: of the mean, and its standard error; difference: of blocks; both of Cycles' mean.
 
     alpha: difference of its mean; warnings: unforeseen; ours, cycles: (h, w, 4)
+    groups: the most that a light group's mean differs by, beyond its noise, of Cycles' mean
     """
 
     bias: float
@@ -46,16 +48,18 @@ class Finding(NamedTuple):
     warnings: list[str]
     ours: np.ndarray
     cycles: np.ndarray
+    groups: float = 0.0
 
     @property
     def differs(self) -> bool:
         """Whether noise does not explain the picture."""
         biased = abs(self.bias) > max(LEAST_BIAS, ERRORS * self.error)
-        return biased or self.difference > MOST_DIFFERENCE or abs(self.alpha) > LEAST_BIAS
+        placed = self.difference > MOST_DIFFERENCE or self.groups > LEAST_BIAS
+        return biased or placed or abs(self.alpha) > LEAST_BIAS
 
     def __str__(self):
         numbers = f"bias {self.bias:+.4f} +- {self.error:.4f}, blocks {self.difference:.4f}"
-        return f"{numbers}, alpha {self.alpha:+.4f}"
+        return f"{numbers}, alpha {self.alpha:+.4f}, groups {self.groups:.4f}"
 
 
 def compare(scene, folder: Path) -> Finding:
@@ -65,9 +69,11 @@ def compare(scene, folder: Path) -> Finding:
 
 
 def _compared(scene, folder, more, renders) -> Finding:
-    ours = np.array([_render_iwis(scene, seed, folder, more) for seed in range(renders)])
+    ours = _stacked([_render_iwis(scene, seed, folder, more) for seed in range(renders)])
     told = RenderJob.get().records[-1].stats.warnings
-    cycles = np.array([_render_cycles(scene, seed, folder, more) for seed in range(renders)])
+    cycles = _stacked([_render_cycles(scene, seed, folder, more) for seed in range(renders)])
+    groups = {name: (ours[name], cycles[name]) for name in cycles if name.startswith(_GROUP)}
+    ours, cycles = ours["Combined"], cycles["Combined"]
     scale = max(float(np.abs(cycles[..., :3]).mean()), 1e-4)
     a, b = ours.mean(0), cycles.mean(0)
     means = [pictures[..., :3].mean((1, 2, 3)) for pictures in (ours, cycles)]
@@ -84,7 +90,21 @@ def _compared(scene, folder, more, renders) -> Finding:
         warnings=unforeseen(told),
         ours=a,
         cycles=b,
+        groups=max([_beyond_noise(*pair) for pair in groups.values()], default=0.0) / scale,
     )
+
+
+def _stacked(renders) -> dict[str, np.ndarray]:
+    """Combined, and the light groups' pictures, (n, h, w, channels) by name."""
+    names = [n for n in renders[0] if n == "Combined" or n.startswith(_GROUP)]
+    return {name: np.array([render[name] for render in renders]) for name in names}
+
+
+def _beyond_noise(ours, cycles) -> float:
+    """The difference of the means, less so many standard errors."""
+    error = np.sqrt(_variance_of_mean(ours) + _variance_of_mean(cycles))
+    far = abs(float(ours[..., :3].mean()) - float(cycles[..., :3].mean()))
+    return max(far - ERRORS * float(error), 0.0)
 
 
 def unforeseen(warnings) -> list[str]:
@@ -112,12 +132,11 @@ def _render_iwis(scene, seed, folder, more):
     own.pixel_filter = scene.cycles.pixel_filter_type
     own.max_samples, own.batch_size = POINTS * BATCH * more, BATCH
     own.stop_rule = "FIXED"
-    layers = render_iwis(scene, folder)
-    return next(v for k, v in layers.items() if k.endswith("Combined"))
+    return by_pass(render_iwis(scene, folder))
 
 
 def _render_cycles(scene, seed, folder, more):
     scene.cycles.seed = seed
     with python_warnings.catch_warnings():
         python_warnings.simplefilter("ignore")
-        return render_cycles(scene, folder, (), SAMPLES * more, FILTER_WIDTH)["Combined"]
+        return render_cycles(scene, folder, (), SAMPLES * more, FILTER_WIDTH)

@@ -31,6 +31,8 @@ def build(seed: int):
         linking.link_lights(dice, scene)
         linking.object_settings(dice, scene)
     if dice.chance(0.25):
+        linking.group_lights(dice, scene)
+    if dice.chance(0.25):
         motion.motion(dice, scene)
     scene.cycles.transparent_max_bounces = 64
     bpy.context.view_layer.update()

@@ -11,11 +11,11 @@ from .dice import Dice
 def closure(dice: Dice, tree, may: set[str]):
     """One closure. may: what it may be of "clear", "thin", "strand", "hole" and "walked"."""
     kinds = [_diffuse, _diffuse, _principled, _principled, _glossy, _metallic, _sheen, _emission]
-    kinds += [_toon]
+    kinds += [_toon, _layered_clear if "clear" in may else _layered]
     kinds += [_transparent] if "clear" in may else []
     kinds += [_translucent] if "thin" in may else []
     kinds += [_holdout] if "hole" in may else []
-    kinds += [_subsurface] if "walked" in may else []
+    kinds += [_subsurface, _layered_walked] if "walked" in may else []
     kinds += [_principled_hair, _hair] * 3 if "strand" in may else []
     kind = dice.of(*kinds)
     dice.tell(kind.__name__[1:])
@@ -89,6 +89,42 @@ def _principled(dice, tree):
     distribution = dice.of("GGX", "MULTI_GGX")
     inputs |= _normal(dice, tree)
     return tree.made("ShaderNodeBsdfPrincipled", 0, inputs, distribution=distribution)
+
+
+def _layered(dice, tree, more=None):
+    """A Principled BSDF of all its layers at once."""
+    inputs = {"Base Color": values.color(dice, tree)}
+    inputs |= {"Roughness": dice.between(0.3, 1.0), "Diffuse Roughness": dice.edge(0.0, 1.0)}
+    inputs |= {"Metallic": dice.of(0.0, dice.between(0.0, 1.0)), "Specular Tint": dice.color()}
+    inputs |= {"Coat Weight": values.number(dice, tree), "Coat Roughness": dice.between(0.1, 0.8)}
+    inputs |= {"Coat Tint": dice.color(0.4, 1.0), "Coat IOR": dice.between(1.1, 2.0)}
+    inputs |= {"Sheen Weight": values.number(dice, tree), "Sheen Tint": dice.color(0.3, 1.0)}
+    inputs |= {"Sheen Roughness": dice.between(0.1, 1.0), "Anisotropic": dice.edge(0.0, 0.8)}
+    inputs |= _normal(dice, tree) | _tangent(dice, tree) | (more or {})
+    if dice.bumps and dice.chance(0.3):
+        inputs["Coat Normal"] = _mapped(dice, tree)
+    return tree.made("ShaderNodeBsdfPrincipled", 0, inputs)
+
+
+def _layered_clear(dice, tree):
+    more = {"Base Color": _shut_in(dice, tree)} if dice.chance(0.3) else {}
+    return _layered(dice, tree, more | {"Alpha": values.number(dice, tree, 0.1, 1.0)})
+
+
+def _layered_walked(dice, tree):
+    """Grey under the surface, as _subsurface."""
+    more = {"Subsurface Weight": dice.edge(0.0, 1.0), "Base Color": (dice.between(0.3, 0.8),) * 3}
+    more |= {"Subsurface Radius": (1.0, 1.0, 1.0), "Subsurface Scale": dice.between(0.02, 0.1)}
+    return _layered(dice, tree, more)
+
+
+def _shut_in(dice, tree):
+    """A colour by Ambient Occlusion; not of points and strands, whose insides Cycles' rays leave
+    without meeting them."""
+    dice.tell("occlusion")
+    inputs = {"Color": dice.color(), "Distance": dice.between(0.2, 1.0)}
+    how = {"inside": dice.chance(0.2), "only_local": dice.chance(0.3), "samples": dice.whole(1, 16)}
+    return tree.made("ShaderNodeAmbientOcclusion", dice.of("Color", "AO"), inputs, **how)
 
 
 def _glossy(dice, tree):

@@ -32,6 +32,18 @@ def _some(dice, scene):
     return made
 
 
+def group_lights(dice: Dice, scene) -> None:
+    """Light groups of lamps, of what may shine, and of the world; one of them may be empty."""
+    layer = scene.view_layers[0]
+    names = [f"G{k}" for k in range(dice.whole(1, 3))]
+    for name in names:
+        layer.lightgroups.add(name=name)
+    for thing in (*scene.objects, scene.world):
+        if dice.chance(0.7):
+            thing.lightgroup = dice.of(*names)
+    dice.tell("light groups")
+
+
 def object_settings(dice: Dice, scene) -> None:
     """Shadow terminators of meshes, and which rays see lamps."""
     for obj in scene.objects:

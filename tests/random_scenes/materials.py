@@ -64,6 +64,9 @@ def _displace(dice, tree, made, shines):
         )
     else:
         inputs["Vector"] = tree.made("ShaderNodeTexNoise", "Color", noise)
-        space = dice.of("OBJECT", "WORLD")
+        # Of both, in tangent space, stretched faces differ (docs/parity.md).
+        tangent = ("TANGENT",) if made.displacement_method != "BOTH" else ()
+        space = dice.of("OBJECT", "WORLD", *tangent)
+        dice.tell(f"along {space.lower()}")
         value = tree.made("ShaderNodeVectorDisplacement", 0, inputs, space=space)
     tree.link(value, tree.output.inputs["Displacement"])

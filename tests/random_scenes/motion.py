@@ -67,6 +67,7 @@ _KINDS = {"location": _located, "rotation": _turned, "scale": _sized}
 def _changing(dice, scene):
     """A mesh that goes from one shape to another."""
     meshes = [obj for obj in scene.objects if obj.type == "MESH" and not obj.modifiers]
+    meshes = [obj for obj in meshes if obj.data.shape_keys is None]
     meshes = [obj for obj in meshes if obj.data.users == 1 and obj.name != "Plane"]
     if not meshes:
         return

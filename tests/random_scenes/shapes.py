@@ -27,11 +27,14 @@ _MODIFIERS = {
     "ARRAY": {"count": 2},
     "SOLIDIFY": {"thickness": 0.1},
     "WIREFRAME": {"thickness": 0.1},
-    "TRIANGULATE": {},
     "SIMPLE_DEFORM": {"angle": 0.8},
     "EDGE_SPLIT": {"split_angle": 0.6},
     "WEIGHTED_NORMAL": {},
     "DECIMATE": {"ratio": 0.6},
+    "CAST": {"factor": 0.5},
+    "DISPLACE": {"strength": 0.15},
+    "SMOOTH": {"factor": 0.7, "iterations": 2},
+    "TRIANGULATE": {},
 }
 
 
@@ -75,11 +78,25 @@ def _shaped(dice, obj, n_materials):
     n = len(colors.data)
     values = np.stack([np.arange(n) % k / k for k in (3, 5, 7)] + [np.ones(n)], -1)
     colors.data.foreach_set("color", values.astype(np.float32).ravel())
+    if dice.chance(0.2):
+        _keyed(dice, obj)
     for kind in {dice.of(*_MODIFIERS): 0 for _ in range(dice.of(0, 0, 1, 2))}:
         dice.tell(kind.lower())
         modifier = obj.modifiers.new(kind, kind)
         for name, value in _MODIFIERS[kind].items():
             setattr(modifier, name, value)
+
+
+def _keyed(dice, obj):
+    """A shape between two: what is generated stays where the first one has it."""
+    dice.tell("shape key")
+    obj.shape_key_add(name="Basis", from_mix=False)
+    other, way = obj.shape_key_add(name="Other", from_mix=False), dice.vector(-0.4, 0.4)
+    places = np.empty((len(other.data), 3), np.float32)
+    other.data.foreach_get("co", places.ravel())
+    places += np.float32(way) * np.sin(3.0 * places[:, ::-1])
+    other.data.foreach_set("co", places.ravel())
+    other.value = dice.between(0.2, 1.0)
 
 
 def _own_normals(dice, mesh):

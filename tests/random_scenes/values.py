@@ -5,14 +5,16 @@ from __future__ import annotations
 import bpy
 from parity.value_cases import BLENDS
 
-from . import attributes, nodes, textures, vectors
+from . import attributes, facts, nodes, textures, vectors
 from .dice import Dice
 
 _SPACES = "Linear Rec.709", "Display P3", "Rec.1886", "Linear Rec.2020"
 
 
 def number(dice: Dice, tree, low=0.0, high=1.0, depth=1):
-    """A number from low to high: a constant, or the output of a node."""
+    """A number, from low to high but of what glows: a constant, or the output of a node."""
+    if dice.glows and dice.chance(0.4):
+        return facts.number(dice, tree)
     if depth <= 0 or dice.chance(0.6):
         return dice.edge(low, high)
     inputs = {"Value": _factor(dice, tree, depth), "To Min": low, "To Max": high}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from parity.value_cases import choices
 
+from . import facts
 from .dice import Dice
 
 _OPERATIONS = [o for o in choices("ShaderNodeVectorMath", "operation") if o != "TANGENT"]
@@ -18,6 +19,8 @@ def vector(dice: Dice, tree, value, colored):
 
 
 def _base(dice, tree):
+    if dice.glows and dice.chance(0.5):
+        return facts.vector(dice, tree)
     # Not Geometry's Tangent: of points Cycles' is no number.
     kind = dice.of("Object", "Generated", "UV", "Normal", "Position", "True Normal")
     if kind in ("Position", "True Normal"):
