@@ -73,11 +73,13 @@ class InstanceValues:
 
     def rgba_of(self, asked: Asked, index: int, name: str) -> tuple[float, ...] | None:
         """That of an instance, as a color; None: there is none."""
-        if asked.instancer is None or index < 0:
+        if index < 0:
             return None
-        key = asked.instancer.as_pointer(), name
+        # What stands for no object, a mesh of its nodes, has its instancer for its object.
+        instancer = asked.instancer or asked.own
+        key = instancer.as_pointer(), name
         if key not in self._known:
-            self._known[key] = _of_instances(asked.instancer, name)
+            self._known[key] = _of_instances(instancer, name)
         values = self._known[key]
         return tuple(values[index]) if values is not None and index < len(values) else None
 

@@ -41,8 +41,11 @@ def _attribute(kind, name, output):
     return build
 
 
-def _instances(scene, tree, name, output):
-    """Cubes on the sphere's vertices, each with a number and a vector of its own."""
+def _instances(scene, tree, name, output, of_objects=True):
+    """Cubes on the sphere's vertices, each with a number and a vector of its own.
+
+    of_objects: whether they are instances of the object, else of its mesh
+    """
     _with_properties(scene)
     sphere, cube = scene.objects["Sphere"], scene.objects["Cube"]
     cube.scale, cube.rotation_euler = (0.06, 0.06, 0.06), (0.0, 0.0, 0.0)
@@ -53,7 +56,7 @@ def _instances(scene, tree, name, output):
     mesh = nodes.made("NodeGroupInput", 0)
     shown_cube = nodes.node("GeometryNodeObjectInfo")
     shown_cube.inputs["Object"].default_value = cube
-    shown_cube.inputs["As Instance"].default_value = True
+    shown_cube.inputs["As Instance"].default_value = of_objects
     on_points = {"Points": mesh, "Instance": shown_cube.outputs["Geometry"]}
     made = nodes.made("GeometryNodeInstanceOnPoints", 0, on_points)
     for kind, own in {"FLOAT": "made number", "FLOAT_VECTOR": "made vector"}.items():
@@ -80,6 +83,15 @@ for _name in ("made number", "made vector", "number", "nothing"):
                 lambda scene, tree, n=_name, o=_output: _instances(scene, tree, n, o),
             )
         )
+
+
+for _name in ("made number", "made vector", "number"):
+    CASES.append(
+        Case(
+            f"Attribute of an instancer, {_name}, of a mesh",
+            lambda scene, tree, n=_name: _instances(scene, tree, n, "Color", False),
+        )
+    )
 
 
 def _colored_instances(kind):
