@@ -18,7 +18,7 @@ def _outputs():
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     nodes = bpy.data.node_groups.new("all", "ShaderNodeTree").nodes
     for kind in sorted({*SETTINGS, *HANDLERS}):
-        if hasattr(bpy.types, kind):
+        if kind.startswith("ShaderNode") and hasattr(bpy.types, kind):
             for k, socket in enumerate(nodes.new(kind).outputs):
                 if socket.enabled and socket.type in ("VALUE", "VECTOR", "RGBA"):
                     yield kind, k
