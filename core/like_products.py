@@ -143,7 +143,7 @@ def build_products(lobes, first, end, apart, light, products, scratch):
 
     apart: float32, how far normals of points may be apart that share one, radians
     """
-    averages, levels = light.pyramid.averages, light.pyramid.levels
+    averages = light.pyramid.averages
     builders, n = scratch.builders, np.int64(0)
     for p in range(first, end):
         plain, q = _is_plain(lobes, p), np.int64(-1)
@@ -155,7 +155,7 @@ def build_products(lobes, first, end, apart, light, products, scratch):
             products.blocks[p], products.follow[p] = products.blocks[q], products.follow[q]
             continue
         turned = apart if plain else _ZERO
-        build_product(lobes, p, turned, light.cells, averages, levels, products, scratch.blocks)
+        build_product(lobes, p, turned, light.cells, averages, products, scratch.blocks)
         if plain and products.trees[p, 0] > _ZERO:
             _keep(builders, n)
             n += 1

@@ -94,22 +94,17 @@ def _select(spread, n, limit, most, parent, first):
 
 
 @kernel
-def _gather_blocks(directions, averages, levels, level, first, n, scratch):
+def _gather_blocks(directions, averages, level, first, n, scratch):
     """Write directions and light of the cells of blocks first ... first + n - 1."""
-    deeper = max(level - levels, 0)  # than the light, which is constant there
-    begin = level_offset(level - deeper)
+    begin = level_offset(level)  # whole to DEEPEST_LEVEL at least
     for b in range(n):
         k, to = BLOCK_CELLS * scratch.morton[first + b], BLOCK_CELLS * b
         for j in range(BLOCK_CELLS):
             scratch.x[to + j] = directions.x[k + j]
             scratch.y[to + j] = directions.y[k + j]
             scratch.z[to + j] = directions.z[k + j]
-        if deeper == 0:
-            for j in range(BLOCK_CELLS):
-                scratch.light[to + j] = averages[begin + k + j]
-        else:
-            for j in range(BLOCK_CELLS):
-                scratch.light[to + j] = averages[begin + ((k + j) >> (2 * deeper))]
+        for j in range(BLOCK_CELLS):
+            scratch.light[to + j] = averages[begin + k + j]
 
 
 @kernel
@@ -139,7 +134,7 @@ def _sum_blocks(tree, begin, first, last, parent):
 
 
 @kernel
-def _cut_steep_cells(lambert, gloss, cells, averages, levels, total, tree, links, scratch):
+def _cut_steep_cells(lambert, gloss, cells, averages, total, tree, links, scratch):
     """Cut cells of the base, and cells of the new blocks, into blocks; returns how many.
 
     scratch.spread: of the base's cells; total: their sum
@@ -153,7 +148,7 @@ def _cut_steep_cells(lambert, gloss, cells, averages, levels, total, tree, links
     for b in range(n):
         links[parent[b]] = b + 1
         morton[b] = parent[b]
-    _gather_blocks(cells.second, averages, levels, SECOND_LEVEL, 0, n, scratch)
+    _gather_blocks(cells.second, averages, SECOND_LEVEL, 0, n, scratch)
     _fill_blocks(lambert, gloss, SECOND_LEVEL, 0, n, tree, scratch)
     for b in range(n):
         total -= tree[BASE_BEGIN + parent[b]]
@@ -164,7 +159,7 @@ def _cut_steep_cells(lambert, gloss, cells, averages, levels, total, tree, links
     for b in range(n, n + m):
         links[BASE_CELLS + parent[b]] = b + 1
         morton[b] = BLOCK_CELLS * morton[parent[b] // BLOCK_CELLS] + parent[b] % BLOCK_CELLS
-    _gather_blocks(cells.third, averages, levels, DEEPEST_LEVEL, n, m, scratch)
+    _gather_blocks(cells.third, averages, DEEPEST_LEVEL, n, m, scratch)
     _fill_blocks(lambert, gloss, DEEPEST_LEVEL, n, m, tree, scratch)
     _sum_blocks(tree, BLOCK_BEGIN, n, n + m, parent)
     _sum_blocks(tree, BASE_BEGIN, 0, n, parent)
@@ -242,11 +237,11 @@ def _add_base_gloss(lobe, cells, radius, leaves, spread):
 
 
 @kernel
-def build_product(lobes, p, turned, cells, averages, levels, products, scratch):
+def build_product(lobes, p, turned, cells, averages, products, scratch):
     """Write the product of point p; trees[p, 0] is 0 where no light can reach it.
 
     turned: float32, how far normals may be turned of points that use it too, radians
-    averages, levels: the LightPyramid
+    averages: of the LightPyramid
     """
     products.own[p] = p
     tree = products.trees[p]
@@ -276,7 +271,7 @@ def build_product(lobes, p, turned, cells, averages, levels, products, scratch):
         total += leaves[r]
     if total > np.float32(0.0) and gloss.kept >= _LEAST_KEPT:
         products.blocks[p] = _cut_steep_cells(
-            lambert, gloss, cells, averages, levels, total, tree, products.links[p], scratch
+            lambert, gloss, cells, averages, total, tree, products.links[p], scratch
         )
     sum_base(tree)
     if tree[0] > np.float32(0.0):

@@ -80,7 +80,7 @@ def _descend_bases(trees, lanes, n):
 
 @kernel
 def _step_to(level, begin, trees, light, lanes, n):
-    """One step to ``level``: in its block's numbers from ``begin`` on, else by light; 1s below it.
+    """One step to ``level``: in its block's numbers from ``begin`` on, else by light.
 
     begin: of four sums for each block, or of four times four cells
     By addresses, as which of two arrays it is cannot be foretold: a branch costs 5 ns a lane.
@@ -88,18 +88,13 @@ def _step_to(level, begin, trees, light, lanes, n):
     numbers, cell = lanes.numbers, lanes.cell
     stride, inside = (4, 0) if begin == SUMS_BEGIN else (BLOCK_CELLS, BLOCK_CELLS - 1)
     blocks = trees.ctypes.data + 4 * (begin - stride)  # block 0 is none
-    averages = light.averages.ctypes.data + 4 * level_offset(min(level, light.levels))
-    known = 0 if level > light.levels else -1
+    averages = light.averages.ctypes.data + 4 * level_offset(level)
     for s in range(n):
         block, k = np.int64(lanes.block[s]), 4 * np.int64(cell[s])
         by_block = blocks + 4 * (lanes.tree[s] + stride * block + (k & inside))
-        place = by_block if block > 0 else averages + 4 * (k & known)
+        place = by_block if block > 0 else averages + 4 * k
         numbers[A + s], numbers[B + s] = get_float(place), get_float(place + 4)
         numbers[C + s], numbers[D + s] = get_float(place + 8), get_float(place + 12)
-    if level > light.levels:
-        for s in range(n):
-            if lanes.block[s] == 0:
-                numbers[A + s] = numbers[B + s] = numbers[C + s] = numbers[D + s] = _ONE
     _choose_children(numbers, lanes.quadrant, n)
     for s in range(n):
         cell[s] = 4 * cell[s] + lanes.quadrant[s]
@@ -123,14 +118,13 @@ def _descend_blocks(products, light, lanes, n):
             numbers[V + s] = (numbers[A + s] + numbers[B + s]) + (numbers[C + s] + numbers[D + s])
         _step_to(level + 2, BLOCK_BEGIN, trees, light, lanes, n)
         level += BLOCK_LEVELS
-        deeper = 2 * max(level - light.levels, 0)
-        around = level_offset(min(level, light.levels))
+        around = level_offset(level)
         for s in range(n):
             block, cell = np.int64(lanes.block[s]), np.int64(lanes.cell[s])
             inside = block > 0  # if not, what is worked out means nothing
             k = BLOCK_CELLS * max(block - 1, 0) + (cell & (BLOCK_CELLS - 1))
             value = np.float32(BLOCK_CELLS) * trees[lanes.tree[s] + (BLOCK_BEGIN + k)]
-            here = light.averages[around + (cell >> deeper)]
+            here = light.averages[around + cell]
             link = links[np.int64(lanes.product[s]) * stride + (BASE_CELLS + k)]
             numbers[PDF + s] *= value / numbers[V + s] if inside else _ONE
             numbers[U + s] = here if inside else numbers[U + s]

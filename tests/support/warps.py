@@ -58,7 +58,7 @@ class PointProduct:
         self.lobes = setup_lobes(make_materials(material), normal, normal, wo)
         change(self.lobes)
         self.light, self.products = light, new_products(1, True)
-        own = self.lobes, 0, np.float32(turned), light.cells, *light.pyramid[:2], self.products
+        own = self.lobes, 0, np.float32(turned), light.cells, light.pyramid.averages, self.products
         build_product(*own, new_block_scratch())
         self.total = float(self.products.trees[0, 0])
 
