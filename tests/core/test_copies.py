@@ -149,6 +149,16 @@ def test_hits_of_two_questions_lie_on_other_rows():
     )
 
 
+def test_rows_of_a_tile_stay_apart_from_those_that_pass():
+    """However often a tile asks: its last rows, and those of nodes' rays, are not written over."""
+    table = CopiedRows(copied_scene(4), RenderSettings(), 1)
+    passing, before = table._passing(64), np.zeros(0, np.int32)
+    for _ in range(7):
+        rows = table.slots(table._most * 3 // 4)
+        assert not np.isin(rows, passing).any() and not np.isin(rows, before).any()
+        before = rows
+
+
 def test_threads_that_have_ended_give_their_rows_back():
     table = CopiedRows(copied_scene(4), RenderSettings(), 1)
     found = []

@@ -92,3 +92,12 @@ def test_lamps_below_the_shading_normal_light_gloss(material, lit):
     assert (shares[0] > 0.0) == lit and (shares[1:] > 0.0).all()
     _share_out(*own, lobes, shares)
     assert shares[0] == 0.0
+
+
+def test_powers_are_intensities_and_a_suns_irradiance():
+    """Along a lamp's axis: radiance x area; pi sin^2 of half the angle, of a sun."""
+    rows = [{"kind": SUN, "size": (0.1, 0.0)}, {"kind": SUN}, {"kind": SPHERE, "size": (0.5, 0.0)}]
+    rows.append({"kind": RECTANGLE, "size": (2.0, 3.0)})
+    powers = powers_of(make_lamps([row | {"radiance": 2.0} for row in rows]))
+    expected = [2.0 * np.pi * np.sin(0.1) ** 2, 2.0, 2.0 * np.pi * 0.25, 12.0]
+    np.testing.assert_allclose(powers, expected, rtol=1e-5)

@@ -115,6 +115,17 @@ def test_the_lens_has_its_radius_and_centre(name):
     assert (np.abs(rays.reach - 9.0) < 2.0).all()
 
 
+def test_orthographic_rays_through_a_lens_begin_on_the_near_plane():
+    """Whatever their slope; and end on the far one."""
+    camera = dataclasses.replace(
+        CAMERAS["orthographic"], lens=Lens(0.8, 2.0), clip_start=1.0, clip_end=4.0
+    )
+    x, y, lens_uv = np.full(64, 4.2), np.full(64, 2.6), _grid(8)
+    rays = rays_through(camera, x, y, lens_uv)
+    np.testing.assert_allclose(view_depth(camera, rays.origins), 1.0, atol=1e-5)
+    assert np.ptp(rays.directions, axis=0).max() > 0.5
+
+
 @pytest.mark.parametrize(("name", "side"), [("panoramic", 1.0), ("mirror ball", -1.0)])
 def test_a_panoramas_blades_turn_as_in_cycles(name, side):
     """Of rays that start at the lens' right and at its top: the other way round in a mirror."""

@@ -7,6 +7,7 @@ import pytest
 
 import iwis.core.light_tree as light_tree
 from iwis.core.environment import eval_environment_many, make_lookup
+from iwis.core.light_cells import _neighbour
 from iwis.core.light_tree import build_pyramid
 from iwis.core.luminance import luminance
 from iwis.core.pyramid import WHOLE_LEVELS, eval_leaf, level_offset, morton_to_row_column
@@ -57,6 +58,21 @@ def test_cells_hold_the_average_luminance(level):
     for k, value in enumerate(build_pyramid(lookup).averages[begin : begin + side * side]):
         # At the poles the map blends in the other pole's row: a kink that both sides only sample.
         assert value == pytest.approx(expected[morton_to_row_column(k)], rel=5e-3)
+
+
+def test_cells_beyond_the_squares_border_are_next_on_the_sphere():
+    """Of 32 x 32 cells, about .11 rad wide: a cell and those one step out of the square are no
+    farther apart than any two that share a side."""
+    side, border = 32, np.arange(32)
+    centers = sphere_grid(side).reshape(side, side, 3)
+    ways = np.arccos((centers[:, 1:] * centers[:, :-1]).sum(-1).clip(-1.0, 1.0))
+    edges = [(border, 0 * border, 0, -1), (border, 0 * border + 31, 0, 1)]
+    edges += [(0 * border, border, -1, 0), (0 * border + 31, border, 1, 0)]
+    for rows, columns, down, right in edges:
+        near = [_neighbour(i + down, j + right, side) for i, j in zip(rows, columns, strict=True)]
+        beyond = np.array([centers[morton_to_row_column(cell)] for cell in near])
+        way = np.arccos((beyond * centers[rows, columns]).sum(-1).clip(-1.0, 1.0))
+        assert 0.5 * ways.min() < way.min() and way.max() < 1.2 * ways.max()  # not the cell itself
 
 
 def test_constant_light_is_constant():

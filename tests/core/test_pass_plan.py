@@ -11,7 +11,7 @@ from iwis.core.neighbours import CELL_PX
 from iwis.core.pass_plan import PassPlan, end_of_batch
 from iwis.core.pass_rays import PILOT, rays_by_pass
 from iwis.core.pass_samples import PassSampler
-from iwis.core.pass_sums import new_pass_sums
+from iwis.core.pass_sums import close_passes, new_pass_sums
 from iwis.core.scene import CAMERA_RAYS, SHADOW_CATCHER, SHADOW_RAYS
 from iwis.core.settings import RenderSettings
 from iwis.core.tile_job import Rect
@@ -55,6 +55,17 @@ def test_batches_end_at_the_same_passes_wherever_they_begin(passes, first):
     end = end_of_batch(passes, PASSES_AT_ONCE, first)
     assert passes < end <= passes + PASSES_AT_ONCE
     assert end in _ends(PASSES_AT_ONCE, 40, first)
+
+
+def test_passes_that_agree_by_chance_are_not_certain():
+    """Four of the same light, whose own samples were noisy: the error is theirs, pooled as two
+    passes; without noise it is 0."""
+    sums, pixels = new_pass_sums(2), np.arange(2, dtype=np.int32)
+    sums.light[:], sums.light_squared[:], sums.hits[:], sums.count[:] = 4.0, 4.0, 4, 32
+    sums.noise[0] = 4 * 0.01  # of a mean, squared
+    close_passes(pixels, np.full(2, 4, np.int32), False, sums)
+    expected = np.sqrt(2.0 * 0.01 / (4 - 1 + 2) / 4**1.3)
+    np.testing.assert_allclose(sums.error, [expected, 0.0], rtol=1e-5, atol=1e-7)
 
 
 def test_every_pixel_takes_its_own_next_passes():

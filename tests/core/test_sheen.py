@@ -8,7 +8,7 @@ from iwis.core.brdf import pdf_narrowest_at
 from iwis.core.lobes_at import lobes_at
 from iwis.core.nodes.layers import under_sheen
 from iwis.core.scene import DIFFUSE
-from iwis.core.sheen import diffuse_colors, microfiber, set_sheen
+from iwis.core.sheen import diffuse_color, diffuse_colors, microfiber, set_sheen
 from support.brdf_points import (
     directions,
     evaluated,
@@ -127,6 +127,23 @@ def test_velvet_is_glossy_and_fibers_are_diffuse():
     assert (diffuse_colors(velvet) == 0.0).all() and (velvet.glossy_color == velvet.diffuse).all()
     assert (diffuse_colors(fibers) == fibers.diffuse).all() and (fibers.glossy_color == 0.0).all()
     assert (velvet.diffuse > 0.0).all() and (fibers.diffuse > 0.0).all()
+
+
+@kernel
+def _fill_diffuse_color(lobes, out):
+    for p in range(len(out)):
+        for c in range(3):
+            out[p, c] = diffuse_color(lobes, p, c)
+
+
+def test_kernels_and_arrays_have_one_diffuse_color():
+    """Of every kind of Lambert lobe."""
+    lobes = points(directions(np.full(12, 0.5)), model=DIFFUSE)
+    lobes.rough[:, 3] = np.arange(12) - 11.0  # the kinds of lambert_kinds.py, and a plain one
+    found = np.empty((12, 3), np.float32)
+    _fill_diffuse_color(lobes, found)
+    np.testing.assert_array_equal(found, diffuse_colors(lobes))
+    assert (found == 0.0).all(axis=1).any() and (found > 0.0).all(axis=1).any()
 
 
 def test_paint_under_fibers_gets_the_rest():

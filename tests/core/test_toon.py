@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from iwis.core.microfacet import MIN_ALPHA
 from iwis.core.scene import DIFFUSE
 from iwis.core.sheen import diffuse_colors
 from iwis.core.toon import set_toon
@@ -138,6 +139,12 @@ def test_product_has_density_wherever_the_cap_is_lit(kind, size, smooth, rng):
     assert min(follow) == max(follow)
     reach = min((size + smooth) * math.pi / 2.0, math.pi / 2.0)
     assert follow[0] >= 0.05 and (follow[0] > 0.5) == (reach < 0.13)
+
+
+def test_the_narrowest_cap_is_no_mirror():
+    """Point lamps light it: what is as narrow as MIN_ALPHA shows none of them."""
+    for kind in _KINDS:
+        assert (_lobes(kind, 0.0, 0.0).alpha > MIN_ALPHA).all()
 
 
 def test_glossy_toon_is_glossy_and_diffuse_toon_diffuse():
