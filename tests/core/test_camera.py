@@ -49,6 +49,15 @@ def test_rays_start_on_the_near_plane_and_are_unit(name):
 
 
 @pytest.mark.parametrize("name", CAMERAS)
+def test_rays_reach_to_the_far_plane(name):
+    """At the frame's sides as well, where a perspective camera's go farther."""
+    camera = dataclasses.replace(CAMERAS[name], clip_start=0.2, clip_end=30.0)
+    rays = camera_rays(camera, 0, 0, 8, 6)
+    ends = rays.origins + rays.reach[:, None] * rays.directions
+    np.testing.assert_allclose(view_depth(camera, ends), 30.0, rtol=1e-5)  # float32
+
+
+@pytest.mark.parametrize("name", CAMERAS)
 def test_rays_of_a_part_are_those_of_the_whole(name):
     """A tile's rays are the frame's, bit for bit: borders and tiles change nothing."""
     camera = CAMERAS[name]

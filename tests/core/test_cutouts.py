@@ -268,17 +268,22 @@ def test_hierarchies_are_kept_while_what_they_show_is_the_same():
 
 
 @pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
-def test_holdout_takes_its_share_of_light_and_alpha(pixel_filter):
-    """A floor of albedo .8 under an even sky, a quarter of it held out.
+@pytest.mark.parametrize("clear", [0.0, 0.5])
+def test_holdout_takes_its_share_of_light_and_alpha(clear, pixel_filter):
+    """A floor of albedo .8 under an even sky, a quarter of it held out, none or half of it clear.
 
     288 draws a picture under CENTER, 64 times as many under BOX: 4 standard errors.
     """
-    closure = Closure(DIFFUSE, GGX, np.float32(0.75) * _ONE, {})
-    program = Program(ops=(), closures=(closure,), holdout=np.float32(0.25) * _ONE)
+    shown = 0.75 - clear
+    own = {"holdout": np.float32(0.25) * _ONE}
+    if clear:
+        own["transparent"] = np.float32(clear) * _ONE
+    closure = Closure(DIFFUSE, GGX, np.float32(shown) * _ONE, {})
+    program = Program(ops=(), closures=(closure,), **own)
     camera = camera_at((0.0, 0.0, 5.0), (0.0, 0.01, 0.0), 24, 12, 0.6)
     scene = make_scene([floor(50.0)], [diffuse()], constant_world(), camera)
     scene = dataclasses.replace(with_programs(scene, program), transparent_film=True)
     layers, _ = make_picture(scene, max_samples=256, stop_rule="FIXED", pixel_filter=pixel_filter)
     tolerance = 0.1 if pixel_filter == "CENTER" else 0.013
-    assert layers["combined"][..., 3].mean() == pytest.approx(0.75, abs=tolerance)
-    assert layers["combined"][..., :3].mean() == pytest.approx(0.6, abs=tolerance)
+    assert layers["combined"][..., 3].mean() == pytest.approx(shown, abs=tolerance)
+    assert layers["combined"][..., :3].mean() == pytest.approx(0.8 * shown, abs=tolerance)
