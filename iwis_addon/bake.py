@@ -49,6 +49,7 @@ class BakeRender:
                 camera=camera_of_bake(depsgraph, warnings),
                 geometry=geometry,
                 written_out=True,
+                diced=False,
             )
             self._geometry = geometry[0]
             self.scene = with_asked(found, depsgraph, self._geometry)

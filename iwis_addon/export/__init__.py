@@ -2,6 +2,7 @@
 
 errors                       what can stop an export
 local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
+adaptive, cage, diced_mesh   meshes that are subdivided as finely as they are seen
 copied                       which instances are not in it, but shown by Embree
 displaced_mesh               that table where materials have moved its vertices
 parts, point_..., strand..., hair_curves, particle_hair, element_values
@@ -33,6 +34,7 @@ from ...core.asked_passes import NO_PASSES
 from ...core.emitters import Told, with_emitters
 from ...core.program import Shaders, SurfaceData
 from ...core.scene import NO_MEASURED, MeasuredBrdfs, Scene
+from .adaptive import Dicing
 from .aovs import AovExport, export_aovs, no_aovs
 from .asked import occlusion_distance, read_asked
 from .camera import export_camera
@@ -86,6 +88,7 @@ def export_scene(
     live: LiveExport | None = None,
     geometry: list[MeshExport] | None = None,
     written_out: bool = False,
+    diced: bool = True,
 ) -> Scene:
     """All that one picture of the graph's scene and view layer needs.
 
@@ -95,6 +98,7 @@ def export_scene(
     warnings: gets one line for all that is rendered otherwise than Cycles would
     geometry: gets what the mesh table was made of
     written_out: whether all triangles of all instances are to be in the mesh table
+    diced: whether adaptive subdivision counts, which baking does not know
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
     warn_of_missing_libraries(warnings)
@@ -102,7 +106,8 @@ def export_scene(
     read, texels = geometry, None if cache is None else cache.texels
     shading = _Shading(depsgraph, live, texels, cancelled, warnings)
     copying = None if written_out else Copying(shading.materials_of, _pixels(camera, live))
-    geometry = export_mesh(depsgraph, warnings, cache, cancelled, copying)
+    dicing = Dicing(depsgraph, camera) if diced else None
+    geometry = export_mesh(depsgraph, warnings, cache, cancelled, copying, dicing)
     materials, measured = shading.of(geometry.materials, geometry.material_users)
     world = shading.world()
     if cancelled():
@@ -110,7 +115,7 @@ def export_scene(
     own = geometry.materials, geometry.material_users, warnings, texels
     aovs = export_aovs(depsgraph, *own) if live is None else no_aovs(geometry.materials)
     surface = _surface(geometry, materials, aovs)
-    own = materials, surface, camera, cache, cancelled, warnings
+    own = materials, surface, camera, cache, cancelled
     geometry = displaced_geometry(geometry, *own)
     if read is not None:
         read.append(geometry)

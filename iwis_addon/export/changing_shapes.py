@@ -79,7 +79,7 @@ class ChangingShapes:
         if part is None:
             local = inventory.parts[number]
             reader = velocities
-            if velocities is None or instance.hair:
+            if velocities is None or instance.hair or local.diced is not None:
                 reader = reader_of(inventory, instance, item, self._in_window)
             part = self._parts[number] = _Part(key.name, local, reader, [], steps, [])
         self._parts[number] = part._replace(steps=max(steps, part.steps), rows=[*part.rows, row])

@@ -11,7 +11,6 @@ from ...core.displacement import Asked, Copied, Displaced, Movable, displaced, t
 from ...core.program import Displacement, SurfaceData
 from ...core.scene import Camera, TriangleMesh
 from .errors import ExportCancelled
-from .instances import Inventory
 from .local_mesh import LocalMesh
 from .material import MaterialExport
 from .mesh import ExportCache, MeshExport
@@ -39,7 +38,6 @@ def displaced_geometry(
     camera: Camera,
     cache: ExportCache | None,
     cancelled,
-    warnings: list[str],
 ) -> MeshExport:
     """The geometry with its vertices moved; the same one where no material moves any.
 
@@ -61,32 +59,9 @@ def displaced_geometry(
     ]
     if not rows:
         return geometry
-    warnings.extend(_lines(inventory, rows))
     asked = Asked(surface, camera, materials.pass_index)
     found = _displaced(geometry, rows, cache, materials.displacements, asked, check)
     return geometry if found is None else geometry._replace(mesh=found.mesh, rest=found.rest)
-
-
-def _lines(inventory: Inventory, rows: list[int]) -> list[str]:
-    """A warning for each object whose vertices Cycles would make itself."""
-    every = {look.asked.own.name: look.asked.own for look in (inventory.looks[r] for r in rows)}
-    return [
-        f"Object {name}: adaptive subdivision is not supported; it is displaced with as many "
-        f"vertices as its modifiers give it: raise Levels Render of {obj.modifiers[-1].name}"
-        for name, obj in every.items()
-        if _is_adaptive(obj, inventory.layer[1])
-    ]
-
-
-def _is_adaptive(obj, scene) -> bool:
-    last = obj.modifiers[-1] if len(obj.modifiers) else None
-    if last is None or last.type != "SUBSURF" or not last.show_render:
-        return False
-    if bpy.app.version >= (5, 0):
-        return last.use_adaptive_subdivision
-    own, settings = getattr(obj, "cycles", None), getattr(scene, "cycles", None)
-    wants = own is not None and own.use_adaptive_subdivision
-    return wants and settings.feature_set == "EXPERIMENTAL"
 
 
 def _displaced(geometry, rows, cache, displacements, asked: Asked, check) -> Displaced | None:
@@ -129,7 +104,7 @@ def _movable(geometry: MeshExport, rows: list[int]) -> Movable:
         if not len(own.table):
             continue
         if instance.part not in read:
-            source = inventory.sources[instance.part]
+            source = None if part.diced is not None else inventory.sources[instance.part]
             read[instance.part] = _flat(source, part), _vertex_normals(source, part)
         flat, normals = read[instance.part]
         of_points = part.normals is None or part.normal_index is part.triangles
@@ -172,8 +147,10 @@ def _flat(source, part: LocalMesh) -> np.ndarray:
 def _vertex_normals(source, part: LocalMesh) -> np.ndarray:
     """float32 (n, 3), in object space: along these Cycles displaces, of custom normals their means.
 
-    source: the bpy mesh; None: it is being edited, and has gone
+    source: the bpy mesh; None: it is being edited, and has gone, or it is diced
     """
+    if part.diced is not None:
+        return part.normals
     if source is not None:
         normals = np.empty((len(source.vertices), 3), np.float32)
         source.vertex_normals.foreach_get("vector", normals.reshape(-1))

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...core.nodes.hashing import hash_words
 from ...core.scene import CAMERA_RAYS, ROUND, SHADOW_RAYS
+from .adaptive import Dicing
 from .errors import ExportCancelled
 from .lamp_links import LampLinks
 from .lamps import read_lamp
@@ -118,10 +119,9 @@ class _Item(NamedTuple):
 class _Collector:
     """Turns depsgraph items into an Inventory while they are alive."""
 
-    def __init__(self, depsgraph, known, cancelled, live, texels):
-        self._depsgraph = depsgraph
-        self._cancelled = cancelled
-        self._reader = PartReader(depsgraph, known, cancelled, live)
+    def __init__(self, depsgraph, known, cancelled, live, texels, dicing):
+        self._depsgraph, self._cancelled = depsgraph, cancelled
+        self._reader = PartReader(depsgraph, known, cancelled, live, dicing)
         self._override = depsgraph.view_layer_eval.material_override
         self._material_rows: dict[int, int] = {}
         self._parts: dict[tuple, tuple[int | None, list[int]]] = {}
@@ -131,7 +131,7 @@ class _Collector:
         layer = depsgraph.view_layer_eval, scene, scene.world
         groups = group_numbers(layer[0]) if live is None else {}
         self.inventory = Inventory([], [], [], [], [], [], LampLinks(depsgraph), groups, layer)
-        self.ignored, self.lamp_warnings = LeftOut(), []
+        self.ignored, self.warnings = LeftOut(), self._reader.warnings
         self._images = ImageStore(texels)  # that lights show
 
     def _material_row(self, material) -> int:
@@ -156,7 +156,7 @@ class _Collector:
                 rows[i] = self._material_row(slot.material)
         return tuple(rows)
 
-    def _part(self, obj, owner, modifier):
+    def _part(self, obj, owner, modifier, lasting):
         """Row of the object's part (None if it has no face) and the materials of its data."""
         data = obj.data
         # In edit mode objects share a mesh in spite of their modifiers: they are part of the key.
@@ -166,7 +166,7 @@ class _Collector:
         if key not in self._parts:
             if self._cancelled():
                 raise ExportCancelled
-            local, source, materials = self._reader.read(obj, owner, modifier)
+            local, source, materials = self._reader.read(obj, owner, modifier, lasting)
             row, rows = None, []
             if local is not None:
                 row = len(self.inventory.parts)
@@ -179,7 +179,7 @@ class _Collector:
 
     def _item(self, obj, owner, modifier, asked: Asked, flags: int) -> _Item:
         """Of hundreds of thousands of instances each property of Blender's is asked once."""
-        part, data_rows = self._part(obj, owner, modifier)
+        part, data_rows = self._part(obj, owner, modifier, asked.own)
         slots = () if part is None else self._slots(obj, data_rows)
         if modifier is not None and slots:
             chosen = modifier.particle_system.settings.material - 1
@@ -250,7 +250,6 @@ class _Collector:
         """Take one of depsgraph.object_instances."""
         obj = item.object
         if item.show_particles and len(obj.particle_systems):
-            # Of an instance Blender's iterator has a copy, which does not outlive it.
             emitter = item.instance_object if item.is_instance else obj
             for modifier in hair_modifiers(emitter, self._reader.in_window):
                 self._add(item, emitter, modifier)
@@ -261,7 +260,7 @@ class _Collector:
             self._add(item, obj)
         elif kind == "LIGHT":
             asked = Asked(obj, item.parent if item.is_instance else None)
-            own = self.lamp_warnings, self._images, self.inventory.layer
+            own = self.warnings, self._images, self.inventory.layer
             lamp = read_lamp(asked, item.matrix_world, *own)
             if lamp is not None:
                 lamp["link"] = self.inventory.links.row_of(obj)
@@ -280,21 +279,22 @@ def collect_instances(
     live: LiveMeshes | None = None,
     shown=None,
     texels=None,
+    dicing: Dicing | None = None,
 ) -> Inventory:
     """All that a render of the graph shows, copied out of Blender.
 
     warnings: gets one line for each reason to leave objects out, with their names
     known: as for read_mesh; live: meshes that need not be read, in a window
     shown(item): whether a window shows one of depsgraph.object_instances; None: all
-    texels: the TexelCache of the job
+    texels: the TexelCache of the job; dicing: of PartReader
     Raises ExportCancelled as soon as cancelled() says so.
     """
-    collector = _Collector(depsgraph, known, cancelled, live, texels)
+    collector = _Collector(depsgraph, known, cancelled, live, texels, dicing)
     for number, item in enumerate(depsgraph.object_instances):
         if number % 256 == 0 and cancelled():
             raise ExportCancelled
         if shown is None or shown(item):
             collector.add(item)
     warnings.extend(collector.ignored.messages())
-    warnings.extend(collector.lamp_warnings)
+    warnings.extend(collector.warnings)
     return collector.finish()

@@ -8,12 +8,15 @@ attributes by indexing.
 from __future__ import annotations
 
 import hashlib
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 import numpy as np
 
 from .errors import ExportCancelled, ExportError
+
+if TYPE_CHECKING:
+    from .diced_mesh import Diced
 
 
 class LocalMesh(NamedTuple):
@@ -30,6 +33,7 @@ class LocalMesh(NamedTuple):
     round: whether the triangles stand for points or strands, which are as round as their normals
     radial: whether normals lead away from a centre, and turn and stretch as that does (as those of
         Cycles' points, which keep pointing away from it on what a scale makes an ellipsoid)
+    diced: of what is subdivided adaptively (diced_mesh.py); its corners mean nothing
     """
 
     positions: np.ndarray
@@ -42,6 +46,7 @@ class LocalMesh(NamedTuple):
     digest: bytes
     round: bool = False
     radial: bool = False
+    diced: Diced | None = None
 
 
 def session_uid(data) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 from ...core.copies import Copies
 from ...core.program import AtRest
 from ...core.scene import TriangleMesh
+from .adaptive import Dicing
 from .copied import Copying, CopyPlan, copies_of, same_plan
 from .instances import Inventory, collect_instances
 from .local_mesh import LiveMeshes, LocalMesh
@@ -182,10 +183,12 @@ def export_mesh(
     cache: ExportCache | None = None,
     cancelled=lambda: False,
     copying: Copying | None = None,
+    dicing: Dicing | None = None,
 ) -> MeshExport:
     """All geometry that the graph renders, in world space; each triangle is finite and has area.
 
     copying: what may be left out of the mesh table; None: nothing
+    dicing: of adaptive subdivision; None: meshes are taken as their modifiers leave them
     warnings: gets a line for each kind of object left out, and for each object with bad triangles
     cache: the same object for every frame of an animation; unchanged geometry is then reused
     Raises ExportError if there is too much, ExportCancelled as soon as cancelled() says so.
@@ -194,7 +197,7 @@ def export_mesh(
     if cache is not None:
         cached = cache.parts, cache.live, cache.shown, cache.texels
     known, *cached = cached
-    inventory = collect_instances(depsgraph, warnings, known, cancelled, *cached)
+    inventory = collect_instances(depsgraph, warnings, known, cancelled, *cached, dicing)
     parts, instances = inventory.parts, inventory.instances
     pass_index = np.array([instance.pass_index for instance in instances], np.float32)
     lift = np.array([instance.terminator_offset for instance in instances], np.float32)

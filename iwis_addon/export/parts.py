@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from .adaptive import Dicing
+from .diced_mesh import DicedSource, read_diced
 from .hair_curves import CurveValues, curve_slots, curve_strands
 from .local_mesh import LiveMeshes, LocalMesh, read_mesh
 from .particle_hair import ParticleHair
@@ -16,20 +18,27 @@ class PartReader:
     """Reads parts while the graph lives.
 
     known: as for read_mesh; live: parts that need not be read, in a window
+    dicing: None: meshes are taken as their modifiers leave them
     """
 
-    def __init__(self, depsgraph, known, cancelled, live: LiveMeshes | None):
+    def __init__(
+        self, depsgraph, known, cancelled, live: LiveMeshes | None, dicing: Dicing | None = None
+    ):
         self._known, self._cancelled, self._live = known, cancelled, live
+        self._dicing, self.warnings = dicing, []
         self._layer = depsgraph.view_layer_eval
         self._strand_settings = strand_settings(depsgraph.scene_eval)
         self.in_window = depsgraph.mode == "VIEWPORT"
 
-    def read(self, obj, owner, modifier=None) -> tuple[LocalMesh | None, object, list]:
+    def read(
+        self, obj, owner, modifier=None, lasting=None
+    ) -> tuple[LocalMesh | None, object, list]:
         """The part, None if it has no face or the view layer leaves its kind out; its
         source: what surface_data.py reads (a bpy mesh, something with rows() of names, or None);
         the materials of its data.
 
         owner: the object, or what instances it; modifier: a particle system's, for its hair
+        lasting: the object, where obj is what Blender's iterator has in place of it
         """
         if not self._is_wanted(obj, modifier):
             return None, None, []
@@ -42,7 +51,7 @@ class PartReader:
         elif obj.type == "POINTCLOUD":
             local, source = self._points(obj, owner)
         else:
-            local, source = self._mesh(obj, owner), obj.data
+            local, source = self._mesh(obj, owner, lasting or obj)
         return local, source, list(obj.data.materials)
 
     def _is_wanted(self, obj, modifier) -> bool:
@@ -63,8 +72,23 @@ class PartReader:
         obj.to_mesh_clear()
         return local, None, materials
 
-    def _mesh(self, obj, owner):
-        return self._kept(owner, obj, lambda: read_mesh(obj.data, self._known, self._cancelled))
+    def _mesh(self, obj, owner, lasting):
+        fineness = None
+        if self._dicing is not None and lasting.data.as_pointer() == obj.data.as_pointer():
+            fineness = self._dicing.fineness_of(lasting)
+        if fineness is None:
+            local = self._kept(
+                owner, obj, lambda: read_mesh(obj.data, self._known, self._cancelled)
+            )
+            return local, obj.data
+        source, own = DicedSource(lasting), (self._dicing, self._known, self._cancelled)
+        local = self._kept(
+            owner,
+            obj,
+            lambda: read_diced(lasting, source, fineness, *own, self.warnings),
+            fineness,
+        )
+        return local, source
 
     def _points(self, obj, owner):
         local = self._kept(owner, obj, lambda: read_point_cloud(obj.name, obj.data, self._known))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .diced_mesh import shape_at
 from .hair_curves import curve_strands
 from .instances import Instance, Inventory
 from .local_mesh import LocalMesh, read_shape
@@ -26,6 +27,8 @@ def reader_of(inventory: Inventory, instance: Instance, item, in_window: bool):
     """The reader of an instance's part. item: of depsgraph.object_instances that shows it;
     in_window: of ParticleHair"""
     local, source = inventory.parts[instance.part], inventory.sources[instance.part]
+    if local.diced is not None:
+        return DicedShape(local)
     if not local.round:
         return MeshShape(local)
     if local.radial:
@@ -42,6 +45,17 @@ class MeshShape:
     def read(self, item):
         """See above. item: of depsgraph.object_instances"""
         return read_shape(item.object.data, self._local)
+
+
+class DicedShape:
+    """Of an evaluated bpy mesh that is subdivided adaptively: the same micropolygons elsewhere."""
+
+    def __init__(self, local: LocalMesh):
+        self._local = local
+
+    def read(self, item):
+        """See above."""
+        return shape_at(self._local, item.instance_object if item.is_instance else item.object)
 
 
 class PointsShape:

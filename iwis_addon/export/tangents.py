@@ -26,12 +26,17 @@ def uv_tangents(mesh, name: str, corners) -> np.ndarray | None:
         mesh.calc_tangents(uvmap=layer.name)
     except RuntimeError:  # a face has more than four corners
         uv = read_values(layer.uv, "vector", 2, np.float32)[corners]
-        values = np.concatenate(_of_triangles(uv, _places(mesh, "co")[_vertices(mesh, corners)]), 1)
-        return np.repeat(values[:, None], 3, 1).astype(np.float32)
+        return flat_tangents(uv, _places(mesh, "co")[_vertices(mesh, corners)])
     tangents = read_values(mesh.loops, "tangent", 3, np.float32)
     signs = read_values(mesh.loops, "bitangent_sign", 1, np.float32)
     mesh.free_tangents()
     return np.take(np.concatenate([tangents, signs], -1), corners, axis=0, mode="clip")
+
+
+def flat_tangents(uv, p) -> np.ndarray:
+    """float32 (m, 3, 4), of each triangle by itself. uv, p: (m, 3, 2) and (m, 3, 3), its corners"""
+    values = np.concatenate(_of_triangles(uv, p), 1)
+    return np.repeat(values[:, None], 3, 1).astype(np.float32)
 
 
 def _places(mesh, name):

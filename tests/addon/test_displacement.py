@@ -205,21 +205,3 @@ def test_shapes_in_motion_move_as_in_the_middle(parts, method):
     np.testing.assert_allclose(by, np.broadcast_to(by[1], by.shape), atol=1e-6)
     normals = shapes.normals[1][shapes.normal_index]
     np.testing.assert_allclose(normals, found.mesh.corner_normals[shapes.triangle], atol=1e-5)
-
-
-def test_adaptive_subdivision_is_told(cube):
-    """Once an object, with what to do, and only where vertices are moved."""
-    modifier = cube.modifiers.new("Fine", "SUBSURF")
-    if bpy.app.version >= (5, 0):
-        modifier.use_adaptive_subdivision = True
-    else:
-        bpy.context.scene.cycles.feature_set = "EXPERIMENTAL"
-        cube.cycles.use_adaptive_subdivision = True
-    exported()
-    cube.data.materials.append(material())
-    lines = []
-    export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines)
-    (line,) = lines
-    assert line.startswith("Object Cube: ") and line.endswith("raise Levels Render of Fine")
-    modifier.show_render = False
-    exported()

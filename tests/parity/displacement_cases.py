@@ -10,7 +10,7 @@ from .scene import Tree
 _LIT = {"lit": True, "samples": (256, 1024)}
 
 
-def _hills(tree):
+def hills(tree):
     """Hills wider than a pixel: how finer ones turn normals is a matter of chance."""
     inputs = {"Vector": tree.coordinates(), "Scale": 1.2, "Detail": 0.0}
     return tree.made("ShaderNodeTexNoise", 0, inputs)
@@ -28,17 +28,17 @@ def _finer(levels=4):
             obj.modifiers["Finer"].subdivision_type = "SIMPLE"
 
 
-def _displaced(tree, method, value=None, **place):
+def displaced(tree, method, value=None, **place):
     """Have the scene's material displace by a value, else by a noise; place: of the sphere"""
     if value is None:
-        value = _by_height(tree, _hills(tree))
+        value = by_height(tree, hills(tree))
     tree.link(value, tree.output.inputs["Displacement"])
     bpy.data.materials["M"].displacement_method = method
     for key, setting in place.items():
         setattr(_sphere(), key, setting)
 
 
-def _by_height(tree, height, scale=0.5, **options):
+def by_height(tree, height, scale=0.5, **options):
     inputs = {"Height": height, "Midlevel": 0.45, "Scale": scale}
     return tree.made("ShaderNodeDisplacement", 0, inputs, **options)
 
@@ -53,7 +53,7 @@ def _case(name, value=None, method="DISPLACEMENT", more=lambda scene: None, **pl
 
     def made(scene, tree, shown):
         _finer()
-        _displaced(tree, method, None if value is None else value(tree), **place)
+        displaced(tree, method, None if value is None else value(tree), **place)
         if shown:
             half = (0.5, 0.5, 0.5)
             normal = {0: tree.made("ShaderNodeNewGeometry", "Normal"), 1: half, 2: half}
@@ -71,10 +71,10 @@ _case(" of vertices")
 _case(" of vertices and bump", method="BOTH")
 _case(" of vertices, of a stretched object", scale=(1.3, 0.9, 1.1))
 _case(" of vertices and bump, of a stretched object", method="BOTH", scale=(1.3, 0.9, 1.1))
-_case(" of vertices, world space", lambda t: _by_height(t, _hills(t), space="WORLD"))
-_case(" of vertices, by an image", lambda t: _by_height(t, image_of(t), 0.3))
-_case(" of vertices and bump, by an image", lambda t: _by_height(t, image_of(t), 0.3), "BOTH")
-_case(" of vertices, all alike", lambda t: _by_height(t, 0.9))
+_case(" of vertices, world space", lambda t: by_height(t, hills(t), space="WORLD"))
+_case(" of vertices, by an image", lambda t: by_height(t, image_of(t), 0.3))
+_case(" of vertices and bump, by an image", lambda t: by_height(t, image_of(t), 0.3), "BOTH")
+_case(" of vertices, all alike", lambda t: by_height(t, 0.9))
 for _space in ("TANGENT", "OBJECT", "WORLD"):
     for _method, _what in (
         ("DISPLACEMENT", "of vertices"),
@@ -91,13 +91,13 @@ for _space in ("TANGENT", "OBJECT", "WORLD"):
 
 def _two(tree):
     """The sum of two nodes."""
-    values = (_by_height(tree, _hills(tree)), _by_vector(tree, "OBJECT"))
+    values = (by_height(tree, hills(tree)), _by_vector(tree, "OBJECT"))
     return tree.made("ShaderNodeVectorMath", 0, dict(enumerate(values)), operation="ADD")
 
 
 def _aslant(tree):
     """Along another normal than the surface's."""
-    inputs = {"Height": _hills(tree), "Scale": 0.5, "Normal": (0.6, -0.6, 0.5)}
+    inputs = {"Height": hills(tree), "Scale": 0.5, "Normal": (0.6, -0.6, 0.5)}
     normal = tree.made("ShaderNodeCombineXYZ", 0, {0: 0.6, 1: -0.6, 2: 0.5})
     return tree.made("ShaderNodeDisplacement", 0, inputs | {"Normal": normal})
 
@@ -167,7 +167,7 @@ def _among_plain(scene):
     faces.foreach_set("material_index", (np.arange(len(faces)) // 32 % 2).astype(np.int32))
 
 
-def _instanced(scene):
+def instanced(scene):
     """Copies of the sphere, one of them mirrored."""
     for place, size in (((0.9, -1.2, -0.4), (0.4, 0.4, 0.4)), ((0.4, 0.8, 0.9), (-0.5, 0.5, 0.5))):
         copy = _sphere().copy()
@@ -186,17 +186,17 @@ _case(" of vertices, custom normals", more=_own_normals)
 _case(" of vertices and bump, custom normals", method="BOTH", more=_own_normals)
 _case(" of vertices, of half a mesh", more=_half_plain)
 _case(" of vertices, among plain faces", more=_among_plain)
-_case(" of vertices, of copies", more=_instanced)
+_case(" of vertices, of copies", more=instanced)
 _case(
     " of vertices, world space, of copies",
-    lambda t: _by_height(t, _hills(t), space="WORLD"),
-    more=_instanced,
+    lambda t: by_height(t, hills(t), space="WORLD"),
+    more=instanced,
 )
 
 
 def _glowing(scene, tree):
     """What shines lights the floor with the shape that it has got."""
-    _displaced(tree, "DISPLACEMENT")
+    displaced(tree, "DISPLACEMENT")
     tree.surface(tree.made("ShaderNodeEmission", 0, {"Color": (1.0, 0.7, 0.4), "Strength": 3.0}))
     plain = bpy.data.materials.new("Plain")
     for obj in bpy.data.objects:
@@ -211,7 +211,7 @@ def _mapped(name, method, strength=1.0, **options):
     """A normal map on what is displaced; on the cube, which is not, too."""
 
     def build(scene, tree):
-        _displaced(tree, method)
+        displaced(tree, method)
         color = tree.color(0.35, 0.75)
         known = bpy.types.ShaderNodeNormalMap.bl_rna.properties  # of Blender 5.2
         settings = {name: value for name, value in options.items() if name in known}

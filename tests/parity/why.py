@@ -59,6 +59,9 @@ WHY = {
     "Camera objects in motion, glowing checks": _MOVES,
     "Motion of an object that shines": _MOVES,
     "Motion of a shape that shines": _MOVES,
+    "Adaptive subdivision, Pointiness": (
+        "Cycles of Blender 5.2 has another one from render to render; 4.5 agrees to four digits"
+    ),
     "Hair, Principled, blond ribbons": "Cycles' ribbons end in a line (record 27); tones agree",
     "Hair, Hair BSDF, reflection": _BELLS,
     "Hair, Hair BSDF, transmission": _BELLS,
