@@ -212,6 +212,28 @@ class IWIS_PT_simplify(IWISPanel, bpy.types.Panel):
             column.prop(render, f"{name}_render", text="Render")
 
 
+class IWIS_PT_subdivision(IWISPanel, bpy.types.Panel):
+    bl_label = "Subdivision"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+    bl_order = 3
+
+    @classmethod
+    def poll(cls, context):
+        """The settings are Cycles' own, there as long as its add-on is enabled."""
+        return super().poll(context) and hasattr(context.scene, "cycles")
+
+    def draw(self, context):
+        layout, cycles = self.split_layout(), context.scene.cycles
+        column = layout.column(align=True)
+        column.prop(cycles, "dicing_rate", text="Dicing Rate Render")
+        column.prop(cycles, "preview_dicing_rate", text="Viewport")
+        layout.prop(cycles, "offscreen_dicing_scale", text="Offscreen Scale")
+        layout.prop(cycles, "max_subdivisions")
+        layout.prop(cycles, "dicing_camera")
+        if hasattr(cycles, "feature_set"):  # of Blender 4.5, which dices as an experiment alone
+            layout.prop(cycles, "feature_set")
+
+
 class IWIS_PT_film(IWISPanel, bpy.types.Panel):
     bl_label = "Film"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
@@ -251,6 +273,7 @@ CLASSES = (
     IWIS_PT_performance_viewport,
     IWIS_PT_film,
     IWIS_PT_film_pixel_filter,
+    IWIS_PT_subdivision,
     IWIS_PT_simplify,
 )
 

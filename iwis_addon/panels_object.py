@@ -87,6 +87,32 @@ class IWIS_PT_object_motion_blur(_ObjectPanel, bpy.types.Panel):
             layout.prop(own, "use_deform_motion", text="Deformation")
 
 
+class IWIS_PT_object_subdivision(_ObjectPanel, bpy.types.Panel):
+    bl_label = "Adaptive Subdivision"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def is_about(cls, obj) -> bool:
+        """Blender shows it in the modifier, to Cycles alone."""
+        last = obj.modifiers[-1] if len(obj.modifiers) else None
+        return hasattr(obj, "cycles") and last is not None and last.type == "SUBSURF"
+
+    def draw_header(self, context):
+        last = context.object.modifiers[-1]
+        newer = hasattr(last, "use_adaptive_subdivision")
+        owner = last if newer else context.object.cycles
+        self.layout.prop(owner, "use_adaptive_subdivision", text="")
+
+    def draw(self, context):
+        layout, last = self.split_layout(), context.object.modifiers[-1]
+        if not hasattr(last, "adaptive_space"):
+            layout.prop(context.object.cycles, "dicing_rate")
+            return
+        layout.prop(last, "adaptive_space", text="Space")
+        in_space = last.adaptive_space == "OBJECT"
+        layout.prop(last, "adaptive_object_edge_length" if in_space else "adaptive_pixel_size")
+
+
 class IWIS_PT_material_settings(IWISPanel, bpy.types.Panel):
     bl_label = "Settings"
     bl_context = "material"
@@ -111,6 +137,7 @@ CLASSES = (
     IWIS_PT_object_terminator,
     IWIS_PT_object_light_group,
     IWIS_PT_object_motion_blur,
+    IWIS_PT_object_subdivision,
     IWIS_PT_material_settings,
 )
 

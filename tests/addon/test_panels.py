@@ -217,8 +217,8 @@ def test_order_and_words_are_blenders():
     """The render tab's panels, as Cycles orders them."""
     labels = {cls.bl_label: cls.bl_order for cls in PANELS if hasattr(cls, "bl_order")}
     assert sorted(labels, key=labels.get) == [
-        "Warnings", "Sampling", "Light", "Simplify", "Motion Blur", "Film", "Performance",
-        "Bake", "Statistics",
+        "Warnings", "Sampling", "Light", "Subdivision", "Simplify", "Motion Blur", "Film",
+        "Performance", "Bake", "Statistics",
     ]  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from iwis.iwis_addon import panels_object
 from support.panel_layout import Layout
 
 GROUP = {"lightgroup", "scene.view_layer_add_lightgroup"}
+_SIZES = (("PIXEL", "adaptive_pixel_size"), ("OBJECT", "adaptive_object_edge_length"))
 
 
 def _drawn(context):
@@ -51,6 +52,33 @@ def test_objects_can_be_set(scene):
         context = types.SimpleNamespace(engine="IWIS", object=obj, scene=scene, view_layer=layer)
         assert _drawn(context) == names, obj.name
     assert not _drawn(types.SimpleNamespace(engine="IWIS", object=None, scene=scene))
+
+
+def test_subdivision_can_be_set(scene):
+    """Of an object whose last modifier subdivides: whether it is adaptive, and how fine."""
+    obj = bpy.data.objects.new("Mesh", bpy.data.meshes.new("Mesh"))
+    context = types.SimpleNamespace(
+        engine="IWIS", object=obj, scene=scene, view_layer=scene.view_layers[0]
+    )
+    panel = panels_object.IWIS_PT_object_subdivision
+    assert not panel.poll(context)
+    last = obj.modifiers.new("Finer", "SUBSURF")
+    assert panel.poll(context)
+    newer = bpy.app.version >= (5, 0)
+    for space, size in (
+        ("PIXEL", "adaptive_pixel_size"),
+        ("OBJECT", "adaptive_object_edge_length"),
+    ):
+        own = types.SimpleNamespace(layout=Layout())
+        own.split_layout = lambda own=own: own.layout
+        if newer:
+            last.adaptive_space = space
+        panel.draw_header(own, context)
+        panel.draw(own, context)
+        expected = {"adaptive_space", size} if newer else {"dicing_rate"}
+        assert set(own.layout.drawn) == {"use_adaptive_subdivision", *expected}
+    obj.modifiers.new("Last", "TRIANGULATE")
+    assert not panel.poll(context)
 
 
 def test_materials_can_be_set(scene):
