@@ -185,16 +185,26 @@ def _instance_nodes(dice: Dice, parent, obj) -> None:
     low = -0.3 if dice.chance(0.3) else 0.1
     size.inputs["Min"].default_value, size.inputs["Max"].default_value = (low,) * 3, (0.4,) * 3
     turn.inputs["Max"].default_value = (6.0, 6.0, 6.0)
-    stored.domain, stored.data_type = "INSTANCE", "FLOAT_COLOR"
+    stored.domain = "INSTANCE"
+    stored.data_type = dice.of("FLOAT_COLOR", "FLOAT_VECTOR", "FLOAT", "INT", "BOOLEAN")
     stored.inputs["Name"].default_value = NAME
-    stored.inputs["Value"].default_value = (*dice.color(), 1.0)
+    info.inputs["As Instance"].default_value = dice.chance(0.4)
+    last = group.nodes.new("GeometryNodeRealizeInstances") if dice.chance(0.2) else stored
+    value = next(s for s in stored.inputs if s.name == "Value" and s.enabled)
+    if stored.data_type == "FLOAT_COLOR":
+        value.default_value = (*dice.color(), 1.0)
+    elif stored.data_type != "BOOLEAN":
+        group.links.new(group.nodes.new("GeometryNodeInputIndex").outputs[0], value)
+    dice.tell(f"{stored.data_type.lower()} of {'all' if last is not stored else 'instances'}")
     for source, target in (
         (given.outputs[0], copies.inputs["Points"]),
         (info.outputs["Geometry"], copies.inputs["Instance"]),
         (size.outputs[0], copies.inputs["Scale"]),
         (turn.outputs[0], copies.inputs["Rotation"]),
         (copies.outputs[0], stored.inputs[0]),
-        (stored.outputs[0], out.inputs[0]),
+        (last.outputs[0], out.inputs[0]),
     ):
         group.links.new(source, target)
+    if last is not stored:
+        group.links.new(stored.outputs[0], last.inputs[0])
     parent.modifiers.new("Copies", "NODES").node_group = group
