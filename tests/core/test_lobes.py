@@ -59,6 +59,14 @@ def test_lobes_are_those_of_the_model():
         assert points(wo, base_color=(0.8, 0.8, 0.8), **values).diffuse[0, 0] == np.float32(0.8)
 
 
+def test_a_specular_level_leaves_an_index_on_its_side_of_1():
+    """What is seen from the denser side still has its critical angle: eta^2 - 1 is below 0."""
+    wo = directions([0.7])
+    for level in (0.2, 0.5, 0.8):
+        assert points(wo, ior=0.7, specular_level=level).fresnel[0, 0] < 0.0
+        assert points(wo, ior=1.4, specular_level=level).fresnel[0, 0] > 0.0
+
+
 def test_viewer_behind_a_glossy_normal_sees_no_gloss():
     """A view along the surface has no facets to see; nothing is divided by its cosine."""
     lobes = points([[1.0, 0.0, 0.0]], metallic=0.5)
