@@ -11,7 +11,7 @@ from iwis.core.neighbours import CELL_PX
 from iwis.core.pass_plan import PassPlan, end_of_batch
 from iwis.core.pass_rays import PILOT, rays_by_pass
 from iwis.core.pass_samples import PassSampler
-from iwis.core.pass_sums import close_passes, new_pass_sums
+from iwis.core.pass_sums import close_passes, fill_spreads, new_pass_sums
 from iwis.core.scene import CAMERA_RAYS, SHADOW_CATCHER, SHADOW_RAYS
 from iwis.core.settings import RenderSettings
 from iwis.core.tile_job import Rect
@@ -66,6 +66,19 @@ def test_passes_that_agree_by_chance_are_not_certain():
     close_passes(pixels, np.full(2, 4, np.int32), False, sums)
     expected = np.sqrt(2.0 * 0.01 / (4 - 1 + 2) / 4**1.3)
     np.testing.assert_allclose(sums.error, [expected, 0.0], rtol=1e-5, atol=1e-7)
+
+
+@pytest.mark.parametrize("with_alpha", [False, True])
+def test_a_transparent_films_alpha_has_an_error_of_its_own(with_alpha):
+    """Light without noise, of which half of the passes see the world: as uncertain as a draw of
+    them, sqrt(1/4) of one pass, and so is its spread."""
+    sums, pixels = new_pass_sums(1), np.zeros(1, np.int32)
+    sums.light[:], sums.light_squared[:], sums.hits[:], sums.count[:] = 4.0, 4.0, 2, 16
+    close_passes(pixels, np.full(1, 4, np.int32), with_alpha, sums)
+    spread = np.empty(1, np.float32)
+    fill_spreads(pixels, 8, 0.0, with_alpha, sums, spread)
+    expected = (np.sqrt(0.25 / 4**1.3), np.sqrt(0.25 * 8)) if with_alpha else (0.0, 0.0)
+    np.testing.assert_allclose([sums.error[0], spread[0]], expected, rtol=1e-5, atol=1e-7)
 
 
 def test_every_pixel_takes_its_own_next_passes():
