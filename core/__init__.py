@@ -15,23 +15,22 @@ In the order of the data; a module imports only from groups with a smaller numbe
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, lamp_pictures, emitter_tree, sheen, toon, islands,
     closed_meshes, clear_materials, embree_hits, denoise, hair_frame,
-    bump, stretched, lobes, cell_numbers, shapes, gabor, copied_rows, bezier_patches,
-    dicing_view
+    bump, stretched, lobes, cell_numbers, shapes, gabor, copied_rows, bezier_patches
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
     voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser, bake_rays,
-    walk_steps, round_points, hair, lamp_choice, dicing
+    walk_steps, round_points, hair, lamp_choice, dicing_view
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, sample_order, measured, lobe_setup, embree_instances, hair_cells,
-    hair_setup, hair_samples, bevel, micropolygons
+    hair_setup, hair_samples, bevel, dicing
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
     light_rays, paper_tables, light_cells, lamp_rays, pass_rays, moving_accel,
     moved_accel, surface_numbers, near_rays, pixel_motion, random_walk, copied_accel,
-    patch_values
+    micropolygons
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree, backdrop, emission_parts, like_products, closure_columns,
-    displacement, lamp_light, moving_copies
+    displacement, lamp_light, moving_copies, patch_values
     surface, opacity, unbiased, paper, develop,      7  shaders at points; the two modes
     emitters, lamp_glow, light_edges
     block_loop, reference, catchers, ray_masks,      8  UNBIASED's loop; estimators to compare with

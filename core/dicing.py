@@ -13,23 +13,25 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
-from .dicing_view import OWN_SPACE, View, pixel_at
+from .dicing_view import View, pixel_at, squared_length
 
 _MOST_SEGMENTS = 8  # of an edge that is not split: as many as in Cycles of Blender 5
 _UNKNOWN, _SPLIT = 0, -1  # in place of a number of segments
 _MOST = np.float32(1e9)
 _DEEP = 192  # parts that wait; a deeper one is not split
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], np.float32)
-_ONE, _HALF, _THREE = np.float32(1.0), np.float32(0.5), np.float32(3.0)
+_HALF, _ONE, _TWO, _THREE = (np.float32(x) for x in (0.5, 1.0, 2.0, 3.0))
 
 
 class Patches(NamedTuple):
     """Bicubic Bezier patches that meet at edges.
 
-    points: float32 (f, 4, 4, 3), as of smooth_patches
+    points: float32 (f * 4**steps, 4, 4, 3), as of smooth_patches, of the parts that patches have
+        after some steps of subdivision, which are nearer to the surface
     corners: int32 (f, 4), the vertex of each corner; edges: int32 (f, 4), from corner k to k + 1
     ends: int32 (e, 2), vertices; vertices: how many there are
     level: how often the mesh was subdivided to get these patches
+    steps: and after that, to get their parts
     """
 
     points: np.ndarray
@@ -38,6 +40,7 @@ class Patches(NamedTuple):
     ends: np.ndarray
     vertices: int
     level: int
+    steps: int = 0
 
 
 class Edges(NamedTuple):
@@ -68,8 +71,24 @@ class Leaves(NamedTuple):
 
 
 @kernel
-def place_on(points, f, u, v):
-    """The place on patch f at (u, v)."""
+def part_at(steps, f, u, v):
+    """The part of patch f that (u, v) lies on, and where on it: parts are in the order of corners,
+    each with the same corner first."""
+    for _ in range(steps):
+        u, v = u + u, v + v
+        if v < _ONE:
+            corner, u, v = (0, u, v) if u < _ONE else (1, v, _TWO - u)
+        else:
+            corner, u, v = (3, _TWO - v, u) if u < _ONE else (2, _TWO - u, _TWO - v)
+        f = 4 * f + corner
+    return f, u, v
+
+
+@kernel
+def place_on(surface, f, u, v):
+    """The place on patch f at (u, v). surface: points and steps of Patches"""
+    points, steps = surface
+    f, u, v = part_at(steps, f, u, v)
     a, b = _ONE - u, _ONE - v
     bu0, bu1, bu2, bu3 = a * a * a, _THREE * u * a * a, _THREE * u * u * a, u * u * u
     bv0, bv1, bv2, bv3 = b * b * b, _THREE * v * b * b, _THREE * v * v * b, v * v * v
@@ -84,35 +103,22 @@ def place_on(points, f, u, v):
 
 
 @kernel
-def _squared(view, dx, dy, dz):
-    """The square of a length: in world space, where pixels are of a camera."""
-    if view.kind != OWN_SPACE:
-        m = view.matrix
-        dx, dy, dz = (
-            m[0, 0] * dx + m[0, 1] * dy + m[0, 2] * dz,
-            m[1, 0] * dx + m[1, 1] * dy + m[1, 2] * dz,
-            m[2, 0] * dx + m[2, 1] * dy + m[2, 2] * dz,
-        )
-    return dx * dx + dy * dy + dz * dz
-
-
-@kernel
-def _length_in_pixels(points, f, view, u0, v0, u1, v1):
-    x0, y0, z0 = place_on(points, f, u0, v0)
-    x1, y1, z1 = place_on(points, f, u1, v1)
+def _length_in_pixels(surface, f, view, u0, v0, u1, v1):
+    x0, y0, z0 = place_on(surface, f, u0, v0)
+    x1, y1, z1 = place_on(surface, f, u1, v1)
     pixel = pixel_at(view, (x0 + x1) * _HALF, (y0 + y1) * _HALF, (z0 + z1) * _HALF)
-    found = np.sqrt(_squared(view, x1 - x0, y1 - y0, z1 - z0)) / pixel
+    found = np.sqrt(squared_length(view, x1 - x0, y1 - y0, z1 - z0)) / pixel
     return found if found < _MOST else _MOST
 
 
 @kernel
-def _count_segments(points, f, view, most, u0, v0, u1, v1):
+def _count_segments(surface, f, view, most, u0, v0, u1, v1):
     """Segments of an edge, or _SPLIT. most: of a whole edge of a patch"""
     um, vm = (u0 + u1) * _HALF, (v0 + v1) * _HALF
-    a = _length_in_pixels(points, f, view, u0, v0, um, vm)
-    b = _length_in_pixels(points, f, view, um, vm, u1, v1)
+    a = _length_in_pixels(surface, f, view, u0, v0, um, vm)
+    b = _length_in_pixels(surface, f, view, um, vm, u1, v1)
     even = np.ceil((a + b) / view.rate)
-    uneven = np.ceil(np.float32(2.0) * max(a, b) / view.rate)
+    uneven = np.ceil(_TWO * max(a, b) / view.rate)
     limit = int(most * np.sqrt((u1 - u0) * (u1 - u0) + (v1 - v0) * (v1 - v0)) + np.float32(1e-3))
     if limit <= 1:
         return 1
@@ -145,14 +151,14 @@ def _longer(array, size):
 
 
 @kernel
-def _count_around(points, view, most, f, uv, own, segments):
+def _count_around(surface, view, most, f, uv, own, segments):
     """Count the segments of four edges that are not known; True where one is to be split, along u,
     along v."""
     for k in range(4):
         if segments[own[k]] == _UNKNOWN:
             o = (k + 1) % 4
             segments[own[k]] = _count_segments(
-                points, f, view, most, uv[k, 0], uv[k, 1], uv[o, 0], uv[o, 1]
+                surface, f, view, most, uv[k, 0], uv[k, 1], uv[o, 0], uv[o, 1]
             )
     along_u = segments[own[0]] == _SPLIT or segments[own[2]] == _SPLIT
     along_v = segments[own[1]] == _SPLIT or segments[own[3]] == _SPLIT
@@ -160,12 +166,12 @@ def _count_around(points, view, most, f, uv, own, segments):
 
 
 @kernel
-def _is_wide(points, view, f, uv):
+def _is_wide(surface, view, f, uv):
     """Whether a part is longer along u than along v."""
-    a = _length_in_pixels(points, f, view, uv[0, 0], uv[0, 1], uv[1, 0], uv[1, 1])
-    b = _length_in_pixels(points, f, view, uv[3, 0], uv[3, 1], uv[2, 0], uv[2, 1])
-    c = _length_in_pixels(points, f, view, uv[1, 0], uv[1, 1], uv[2, 0], uv[2, 1])
-    d = _length_in_pixels(points, f, view, uv[0, 0], uv[0, 1], uv[3, 0], uv[3, 1])
+    a = _length_in_pixels(surface, f, view, uv[0, 0], uv[0, 1], uv[1, 0], uv[1, 1])
+    b = _length_in_pixels(surface, f, view, uv[3, 0], uv[3, 1], uv[2, 0], uv[2, 1])
+    c = _length_in_pixels(surface, f, view, uv[1, 0], uv[1, 1], uv[2, 0], uv[2, 1])
+    d = _length_in_pixels(surface, f, view, uv[0, 0], uv[0, 1], uv[3, 0], uv[3, 1])
     return a + b >= c + d
 
 
@@ -196,7 +202,7 @@ def _halve(uv, own, turned, r, child, cut, middle, out_uv, out_edges, out_turned
 
 
 @kernel(allocates=True)
-def _split_all(points, corners, edges, ends, vertices, view, most, limit):
+def _split_all(surface, corners, edges, ends, vertices, view, most, limit):
     """All patches to leaves, with their edges; the last number returned is about how many
     triangles they are. Stops where these are more than limit."""
     n, count, triangles = len(ends), 0, 0
@@ -220,9 +226,9 @@ def _split_all(points, corners, edges, ends, vertices, view, most, limit):
             own[0, k], turned[0, k] = edges[f, k], first[edges[f, k]] != corners[f, k]
         while top > 0:
             top -= 1
-            along_u, along_v = _count_around(points, view, most, f, uv[top], own[top], segments)
+            along_u, along_v = _count_around(surface, view, most, f, uv[top], own[top], segments)
             if along_u and along_v:
-                along_u = _is_wide(points, view, f, uv[top])
+                along_u = _is_wide(surface, view, f, uv[top])
             if top >= _DEEP or not (along_u or along_v):
                 if count == len(patch):
                     size = 2 * count
@@ -263,22 +269,7 @@ def split_patches(
     """Edges, leaves, and how many vertices there are now; None where they would be more than about
     limit triangles. max_level: an edge of the mesh has 2**max_level segments at most"""
     most = max(2 ** (max_level - patches.level), 1)
-    own = patches.points, patches.corners, patches.edges, patches.ends, patches.vertices
+    surface = patches.points, patches.steps
+    own = surface, patches.corners, patches.edges, patches.ends, patches.vertices
     trees, leaves, vertices, triangles = _split_all(*own, view, np.float32(most), limit)
     return None if triangles > limit else (Edges(*trees), Leaves(*leaves), vertices)
-
-
-@kernel
-def _longest(points, ends, view):
-    found = np.float32(0.0)
-    for row in range(len(ends)):
-        p, q = points[ends[row, 0]], points[ends[row, 1]]
-        dx, dy, dz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
-        x, y, z = (p[0] + q[0]) * _HALF, (p[1] + q[1]) * _HALF, (p[2] + q[2]) * _HALF
-        found = max(found, np.sqrt(_squared(view, dx, dy, dz)) / pixel_at(view, x, y, z))
-    return found
-
-
-def longest_edge(points: np.ndarray, ends: np.ndarray, view: View) -> float:
-    """In pixels of a view. points: (n, 3); ends: int32 (e, 2), rows of these"""
-    return float(_longest(points.astype(np.float32), ends, view))

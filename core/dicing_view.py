@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .panorama import panorama_directions
 from .scene import ORTHOGRAPHIC, PANORAMIC, Camera
 
 # Of View.kind.
@@ -66,14 +67,14 @@ def camera_view(camera: Camera, object_to_world: np.ndarray, rate: float, offscr
 
 
 def _angle_of_pixel(camera: Camera) -> float:
-    """Radians in the middle of the frame; about, for lenses that stretch."""
-    kind, parameters = camera.panorama.kind, camera.panorama.parameters
-    x0, x1, y0, y1 = camera.window
-    widths = (x1 - x0) / camera.width, (y1 - y0) / camera.height
-    if kind == "EQUIRECTANGULAR":
-        low, high, first, last = parameters
-        return min(abs(last - first) * widths[0], abs(high - low) * widths[1])
-    return np.pi * min(widths)
+    """Radians across a pixel in the middle of the frame: the mean along x and along y."""
+    left, right, bottom, top = camera.window
+    half = 0.5 * (right - left) / camera.width, 0.5 * (top - bottom) / camera.height
+    u, v = (np.array([0.5 - size, 0.5 + size]) for size in half)
+    across = panorama_directions(camera.panorama, u, np.full(2, 0.5))
+    upwards = panorama_directions(camera.panorama, np.full(2, 0.5), v)
+    steps = [np.linalg.norm(ends[1] - ends[0]) for ends in (across, upwards)]
+    return float(np.mean(steps))
 
 
 @kernel
@@ -126,3 +127,32 @@ def _beside_cone(sides, px, py, pz, far):
     if behind:
         return min(found, far) if found > _ZERO else far
     return found
+
+
+@kernel
+def squared_length(view, dx, dy, dz):
+    """The square of a length: in world space, where pixels are of a camera."""
+    if view.kind != OWN_SPACE:
+        m = view.matrix
+        dx, dy, dz = (
+            m[0, 0] * dx + m[0, 1] * dy + m[0, 2] * dz,
+            m[1, 0] * dx + m[1, 1] * dy + m[1, 2] * dz,
+            m[2, 0] * dx + m[2, 1] * dy + m[2, 2] * dz,
+        )
+    return dx * dx + dy * dy + dz * dz
+
+
+@kernel
+def _longest(points, ends, view):
+    found = np.float32(0.0)
+    for row in range(len(ends)):
+        p, q = points[ends[row, 0]], points[ends[row, 1]]
+        dx, dy, dz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+        x, y, z = (p[0] + q[0]) * _HALF, (p[1] + q[1]) * _HALF, (p[2] + q[2]) * _HALF
+        found = max(found, np.sqrt(squared_length(view, dx, dy, dz)) / pixel_at(view, x, y, z))
+    return found
+
+
+def longest_edge(points: np.ndarray, ends: np.ndarray, view: View) -> float:
+    """In pixels of a view. points: (n, 3); ends: int32 (e, 2), rows of these"""
+    return float(_longest(points.astype(np.float32), ends, view))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .dicing import place_on
+from .dicing import part_at, place_on
 from .micropolygons import Micropolygons
 
 _ZERO, _ONE, _THREE = np.float32(0.0), np.float32(1.0), np.float32(3.0)
@@ -28,14 +28,15 @@ def _square(t, k):
 
 
 @kernel(allocates=True)
-def _evaluate(points, patch, uv, places, normals):
+def _evaluate(surface, patch, uv, places, normals):
     along, across = np.empty(3, np.float32), np.empty(3, np.float32)
     for k in range(len(patch)):
         f, u, v = patch[k], uv[k, 0], uv[k, 1]
         if f < 0:
             continue
-        places[k, 0], places[k, 1], places[k, 2] = place_on(points, f, u, v)
-        p = points[f]
+        places[k, 0], places[k, 1], places[k, 2] = place_on(surface, f, u, v)
+        f, u, v = part_at(surface[1], f, u, v)
+        p = surface[0][f]
         along[:], across[:] = _ZERO, _ZERO
         for i in range(4):
             for j in range(3):
@@ -51,29 +52,33 @@ def _evaluate(points, patch, uv, places, normals):
             normals[k, 0], normals[k, 1], normals[k, 2] = x / length, y / length, z / length
 
 
-def evaluate(points: np.ndarray, patch, uv) -> tuple[np.ndarray, np.ndarray]:
-    """float32 (n, 3) each: places on patches, and unit normals, 0 where there is none."""
+def evaluate(points: np.ndarray, steps: int, made: Micropolygons) -> tuple[np.ndarray, np.ndarray]:
+    """float32 (n, 3) each: places of vertices, and unit normals, 0 where there is none.
+
+    points, steps: of Patches
+    """
+    patch, uv = made.vertex_patch, made.vertex_uv
     places, normals = (np.zeros((len(patch), 3), np.float32) for _ in range(2))
-    _evaluate(points, patch, uv, places, normals)
+    _evaluate((points, steps), patch, uv, places, normals)
     return places, normals
 
 
 @kernel
-def _mix_corners(values, patch, uv, out):
+def _mix_corners(values, steps, patch, uv, out):
     for row in range(len(patch)):
-        f = patch[row]
         for k in range(3):
-            u, v = uv[row, k, 0], uv[row, k, 1]
+            f, u, v = part_at(steps, patch[row], uv[row, k, 0], uv[row, k, 1])
             for axis in range(values.shape[2]):
                 low = values[f, 0, axis] + u * (values[f, 1, axis] - values[f, 0, axis])
                 high = values[f, 3, axis] + u * (values[f, 2, axis] - values[f, 3, axis])
                 out[row, k, axis] = low + v * (high - low)
 
 
-def at_corners(values: np.ndarray, made: Micropolygons) -> np.ndarray:
-    """float32 (m, 3, d): values of corners of patches, float32 (f, 4, d), at those of triangles."""
+def at_corners(values: np.ndarray, made: Micropolygons, steps: int = 0) -> np.ndarray:
+    """float32 (m, 3, d): values of corners of patches, or of their parts after some steps, float32
+    (f, 4, d), at those of triangles."""
     out = np.empty((len(made.patch), 3, values.shape[2]), np.float32)
-    _mix_corners(np.ascontiguousarray(values, np.float32), made.patch, made.uv, out)
+    _mix_corners(np.ascontiguousarray(values, np.float32), steps, made.patch, made.uv, out)
     return out
 
 

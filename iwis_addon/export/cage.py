@@ -37,10 +37,6 @@ class Cage(NamedTuple):
     creases: tuple[np.ndarray, np.ndarray] | None
     sharp_points: np.ndarray | None
 
-    @property
-    def only_quads(self) -> bool:
-        return bool((np.diff(self.starts) == 4).all())
-
 
 def read_cage(mesh, fineness: Fineness) -> Cage:
     """Of an evaluated bpy mesh that has a face."""
@@ -93,35 +89,15 @@ def after_steps(control: Control, linear: bool, steps: int) -> Control:
     return control
 
 
-def face_of_patches(cage: Cage, level: int) -> np.ndarray:
-    """int32 (f,): the cage's face of each patch after a number of steps."""
+def face_of_patches(cage: Cage) -> np.ndarray:
+    """int32 (f,): the cage's face of each patch: after one step there is one for each corner."""
     faces = np.arange(len(cage.starts) - 1, dtype=np.int32)
-    if level == 0:
-        return faces
-    return np.repeat(np.repeat(faces, np.diff(cage.starts)), 4 ** (level - 1))
+    return np.repeat(faces, np.diff(cage.starts))
 
 
-def on_patches(values: np.ndarray, starts: np.ndarray, level: int) -> np.ndarray:
+def on_patches(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
     """(f, 4, d), at the corners of patches: linear between values of the cage's corners, (c, d)."""
-    if level == 0:
-        return values.reshape(-1, 4, values.shape[1])
     after, before = around(starts)
-    centers = mean_of_faces(values, starts)
-    centers = np.repeat(centers, np.diff(starts), axis=0)
+    centers = np.repeat(mean_of_faces(values, starts), np.diff(starts), axis=0)
     halves = [(values + values[other]) * np.float32(0.5) for other in (after, before)]
-    quads = np.stack([values, halves[0], centers, halves[1]], 1)
-    if level == 1:
-        return quads
-    weights = _weights(level - 1)
-    return np.einsum("pkj,cjd->cpkd", weights, quads).reshape(-1, 4, values.shape[1])
-
-
-def _weights(steps: int) -> np.ndarray:
-    """float32 (4**steps, 4, 4): of the corners of a quad, for those of its parts."""
-    parts = np.eye(4, dtype=np.float32)[None]
-    for _ in range(steps):
-        last, next_ = np.roll(parts, 1, axis=1), np.roll(parts, -1, axis=1)
-        middle = np.broadcast_to(parts.mean(axis=1, keepdims=True), parts.shape)
-        quads = np.stack([parts, (parts + next_) / 2, middle, (parts + last) / 2], 2)
-        parts = quads.reshape(-1, 4, 4)
-    return parts
+    return np.stack([values, halves[0], centers, halves[1]], 1)

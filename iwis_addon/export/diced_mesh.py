@@ -27,13 +27,18 @@ _COARSER = 1.4
 class Diced(NamedTuple):
     """Where a LocalMesh's triangles are on the cage.
 
-    made: core.micropolygons.Micropolygons; level: steps before patches
+    made: core.micropolygons.Micropolygons; steps: of subdivision, from its patches to their parts
     """
 
     cage: Cage
     fineness: Fineness
-    level: int
+    steps: int
     made: object
+
+    @property
+    def steps_in_all(self) -> int:
+        """From the cage's faces."""
+        return 1 + self.steps
 
 
 class DicedSource:
@@ -79,34 +84,34 @@ def _diced(name, mesh, cage: Cage, fineness: Fineness, view, digest, warnings) -
     from ...core.micropolygons import make_micropolygons
     from ...core.patch_values import at_vertices, evaluate
 
-    control, level = control_of(cage, fineness, cage.positions), 0
-    while not _is_fine(control, cage, fineness, view, level):
-        control, level = after_steps(control, fineness.linear, 1), level + 1
-    points = patches_of(control, fineness)
-    quads = control.corners.reshape(-1, 4), control.edge_of.reshape(-1, 4)
-    patches = Patches(points, *quads, control.ends, len(control.points), level)
+    # Cycles splits quads once, too, as it does all other faces.
+    whole = after_steps(control_of(cage, fineness, cage.positions), fineness.linear, 1)
+    parts, steps = whole, 0
+    while not _is_fine(parts, fineness, view, 1 + steps):
+        parts, steps = after_steps(parts, fineness.linear, 1), steps + 1
+    points = patches_of(parts, fineness)
+    quads = whole.corners.reshape(-1, 4), whole.edge_of.reshape(-1, 4)
+    patches = Patches(points, *quads, whole.ends, len(whole.points), 1, steps)
     split = _split(name, patches, view, fineness, warnings)
     made = make_micropolygons(*split)
-    positions, normals = evaluate(points, made.vertex_patch, made.vertex_uv)
+    positions, normals = evaluate(points, steps, made)
     if fineness.linear:
-        normals = at_vertices(_linear_normals(mesh, cage, level), made)
+        normals = at_vertices(_linear_normals(mesh, cage), made)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.float32(1e-20))
-    faces = face_of_patches(cage, level)[made.patch]
+    faces = face_of_patches(cage)[made.patch]
     slots = cage.slots[faces] if cage.slots.any() else None
     triangles = made.triangles
     own = positions, triangles, normals, triangles, cage.flat[faces], slots, triangles, digest
-    return LocalMesh(*own, diced=Diced(cage, fineness, level, made))
+    return LocalMesh(*own, diced=Diced(cage, fineness, steps, made))
 
 
-def _is_fine(control, cage: Cage, fineness: Fineness, view, level: int) -> bool:
-    """Whether a control mesh is one of quads that patches can be made of."""
-    if level == 0 and not cage.only_quads:
-        return False
+def _is_fine(control, fineness: Fineness, view, level: int) -> bool:
+    """Whether patches of a control mesh of quads are near enough to its surface."""
     quads = len(control.starts) - 1
     finite = control.sharp[np.isfinite(control.sharp)].max(initial=0.0)
     if fineness.linear or 4 * quads > _MOST_PATCHES or (level >= _STEPS and finite <= _FADED):
         return True
-    from ...core.dicing import longest_edge
+    from ...core.dicing_view import longest_edge
 
     return longest_edge(control.points, control.ends, view) < _FEW_PIXELS * fineness.size
 
@@ -140,10 +145,10 @@ def _split(name, patches, view, fineness: Fineness, warnings):
     return split
 
 
-def _linear_normals(mesh, cage: Cage, level: int) -> np.ndarray:
+def _linear_normals(mesh, cage: Cage) -> np.ndarray:
     """float32 (f, 4, 3), of patches: those of the cage's vertices, of flat faces too."""
     normals = read_values(mesh.vertex_normals, "vector", 3, np.float32)[cage.corners]
-    return on_patches(normals, cage.starts, level)
+    return on_patches(normals, cage.starts)
 
 
 def shape_at(local: LocalMesh, obj) -> tuple[np.ndarray, np.ndarray] | None:
@@ -159,11 +164,10 @@ def shape_at(local: LocalMesh, obj) -> tuple[np.ndarray, np.ndarray] | None:
         return None
     positions = read_values(mesh.vertices, "co", 3, np.float32)
     linear = diced.fineness.linear
-    control = after_steps(control_of(cage, diced.fineness, positions), linear, diced.level)
-    places, normals = evaluate(
-        patches_of(control, diced.fineness), diced.made.vertex_patch, diced.made.vertex_uv
-    )
+    control = after_steps(control_of(cage, diced.fineness, positions), linear, diced.steps_in_all)
+    points = patches_of(control, diced.fineness)
+    places, normals = evaluate(points, diced.steps, diced.made)
     if linear:
-        normals = at_vertices(_linear_normals(mesh, cage, diced.level), diced.made)
+        normals = at_vertices(_linear_normals(mesh, cage), diced.made)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.float32(1e-20))
     return places, normals

@@ -42,8 +42,7 @@ class DicedReader(MeshReader):
         return self._carried(values)
 
     def _carried(self, values) -> np.ndarray:
-        cage, level = self._diced.cage, self._diced.level
-        return _at_corners(on_patches(values, cage.starts, level), self._diced)
+        return _at_corners(on_patches(values, self._diced.cage.starts), self._diced)
 
     def _of_faces(self, values):
         return np.repeat(values, np.diff(self._diced.cage.starts), axis=0)
@@ -53,8 +52,8 @@ class DicedReader(MeshReader):
         fineness = self._diced.fineness
         if values is None or fineness.linear or fineness.uv_smooth == "NONE":
             return None if values is None else self._carried(values)
-        control = after_steps(self._uv_control(values), False, self._diced.level)
-        return _at_corners(_limits(control), self._diced)
+        control = after_steps(self._uv_control(values), False, self._diced.steps_in_all)
+        return _at_corners(_limits(control), self._diced, self._diced.steps)
 
     def _generated(self, rest):
         return self._smooth(super()._generated(rest))
@@ -66,7 +65,8 @@ class DicedReader(MeshReader):
         points = np.zeros((len(cage.positions), values.shape[1]))
         points[cage.corners] = values
         control = control_of(cage, self._diced.fineness, points)
-        return _at_corners(_limits(after_steps(control, False, self._diced.level)), self._diced)
+        control = after_steps(control, False, self._diced.steps_in_all)
+        return _at_corners(_limits(control), self._diced, self._diced.steps)
 
     def _uv_control(self, values) -> Control:
         """The map as a mesh of its own, whose boundaries are its seams."""
@@ -91,10 +91,10 @@ class DicedReader(MeshReader):
         return flat_tangents(uv, self._local.positions[self._local.triangles])
 
 
-def _at_corners(values, diced: Diced) -> np.ndarray:
+def _at_corners(values, diced: Diced, steps: int = 0) -> np.ndarray:
     from ...core.patch_values import at_corners  # the exporters load without numba
 
-    return at_corners(values, diced.made)
+    return at_corners(values, diced.made, steps)
 
 
 def _limits(control: Control) -> np.ndarray:

@@ -11,7 +11,7 @@ from iwis.core.dicing_view import camera_view, own_space
 from iwis.core.micropolygons import make_micropolygons
 from iwis.core.patch_values import at_corners, at_vertices, evaluate
 from iwis.core.scene import Camera
-from iwis.core.subdivision import refined
+from iwis.core.subdivision import refined, with_sharp_corners
 from support.control_meshes import cube, grid, quads_of
 
 _MANY = 10**8
@@ -36,7 +36,7 @@ def _patches(control, linear=True, level=0):
 
 def _diced(patches, view, max_level=12):
     made = make_micropolygons(*split_patches(patches, view, max_level, _MANY))
-    return made, evaluate(patches.points, made.vertex_patch, made.vertex_uv)
+    return made, evaluate(patches.points, patches.steps, made)
 
 
 def _seen(rate=1.0, offscreen=4.0, place=(0.0, 0.0, 0.0), **camera):
@@ -135,6 +135,25 @@ def test_long_faces_have_square_micropolygons(kind):
     uv = at_vertices(np.float32([[[0, 0], [1, 0], [1, 1], [0, 1]]]), made)
     along, across = (len(np.unique(np.round(column, 5))) - 1 for column in uv.T)
     assert 6.0 < along / across < 10.5
+
+
+def test_parts_of_patches_are_found():
+    """Of a regular mesh the parts after two steps have the very same surface: each place, normal
+    and value is where it was without them."""
+    control = with_sharp_corners(grid(3, lambda x, y: np.sin(x) * np.cos(0.7 * y)))
+    whole = _patches(control, False)
+    parts = refined(refined(control))
+    finer = whole._replace(points=smooth_patches(parts), steps=2)
+    made, (places, normals) = _diced(whole, own_space(0.2))
+    others, turned = evaluate(finer.points, 2, made)
+    np.testing.assert_allclose(others, places, atol=3e-6)
+    np.testing.assert_allclose(turned, normals, atol=2e-5)
+    corners = ((0, 0), (0, 3), (3, 3), (3, 0))
+    values = np.stack([finer.points[:, j, i] for j, i in corners], 1)
+    straight = at_corners(values, made, 2)
+    # Linear between corners of parts: off by what a quarter of a patch bends.
+    np.testing.assert_allclose(straight, places[made.triangles], atol=0.05)
+    assert np.abs(straight - at_corners(values[::16], made)).max() > 0.1
 
 
 def test_values_and_places_follow_their_patch():

@@ -74,10 +74,27 @@ def _shown(name, value=_normals, more=lambda scene: None, **settings):
     CASES.append(Case(f"Adaptive subdivision, {name}", build))
 
 
+def _few(scene, most):
+    _sphere().data.shade_flat()
+    scene.cycles.max_subdivisions = most
+
+
+def _aside(scene):
+    """Diced by a camera that is far, and beside which the ball lies."""
+    _sphere().data.shade_flat()
+    camera = bpy.data.objects.new("Aside", bpy.data.cameras.new("Aside"))
+    scene.collection.objects.link(camera)
+    camera.location, camera.rotation_euler = (5.0, -9.0, 2.0), (1.4, 0.0, -0.2)
+    scene.cycles.dicing_camera = camera
+
+
 _shown("normals")
 _shown("simple, normals", kind="SIMPLE")
 _shown("edges of four pixels, normals", pixels=4.0)
 _shown("flat, normals", more=lambda scene: _sphere().data.shade_flat())
+_shown("flat, two parts an edge", more=lambda scene: _few(scene, 1))
+_shown("flat, eight parts an edge", more=lambda scene: _few(scene, 3))
+_shown("flat, by another camera", pixels=0.5, more=_aside)
 _shown("UV", lambda tree: tree.coordinates("UV"))
 _shown("UV all smooth", lambda tree: tree.coordinates("UV"), uv_smooth="SMOOTH_ALL")
 _shown("UV as it is", lambda tree: tree.coordinates("UV"), uv_smooth="NONE")
