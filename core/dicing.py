@@ -20,7 +20,7 @@ _UNKNOWN, _SPLIT = 0, -1  # in place of a number of segments
 _MOST = np.float32(1e9)
 _DEEP = 192  # parts that wait; a deeper one is not split
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], np.float32)
-_HALF, _ONE, _TWO, _THREE = (np.float32(x) for x in (0.5, 1.0, 2.0, 3.0))
+_ZERO, _HALF, _ONE, _TWO, _THREE = (np.float32(x) for x in (0.0, 0.5, 1.0, 2.0, 3.0))
 
 
 class Patches(NamedTuple):
@@ -104,11 +104,12 @@ def place_on(surface, f, u, v):
 
 @kernel
 def _length_in_pixels(surface, f, view, u0, v0, u1, v1):
+    """0 where it is no number: what has no place is not to be diced without end."""
     x0, y0, z0 = place_on(surface, f, u0, v0)
     x1, y1, z1 = place_on(surface, f, u1, v1)
     pixel = pixel_at(view, (x0 + x1) * _HALF, (y0 + y1) * _HALF, (z0 + z1) * _HALF)
     found = np.sqrt(squared_length(view, x1 - x0, y1 - y0, z1 - z0)) / pixel
-    return found if found < _MOST else _MOST
+    return min(found, _MOST) if found >= _ZERO else _ZERO
 
 
 @kernel

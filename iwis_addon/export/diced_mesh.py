@@ -132,9 +132,11 @@ def _split(name, patches, view, fineness: Fineness, warnings):
     free, size = free_memory_bytes(), fineness.size
     limit = MOST_TRIANGLES if free is None else min(MOST_TRIANGLES, int(free) // _BYTES)
     limit = max(limit, 4 * len(patches.corners))
+    coarser = _COARSER
     while (split := split_patches(patches, view, fineness.max_level, limit)) is None:
-        size *= _COARSER
+        size *= coarser
         view = view._replace(rate=np.float32(size))
+        coarser *= coarser  # a size that is far off is not come to by small steps
     if size != fineness.size:
         unit = "m" if fineness.in_space else "pixels"
         warnings.append(

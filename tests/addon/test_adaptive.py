@@ -6,6 +6,7 @@ import pytest
 from parity.dicing_cases import diced
 from parity.movers import by_keys
 
+from iwis.core import dicing
 from iwis.iwis_addon.export import ExportCache, LiveExport, diced_mesh, export_scene
 from iwis.iwis_addon.export.same import same
 from support.frames import exported_in_motion
@@ -187,6 +188,34 @@ def test_too_little_memory_is_told(cube, monkeypatch):
     (line,) = lines
     assert line.startswith("Object Cube: diced to edges of ") and "more than" in line
     assert whole // 8 < len(part_of(found[0]).triangles) < whole // 2
+
+
+@pytest.mark.parametrize("place", [float("nan"), float("inf"), 1e30])
+def test_places_that_are_no_numbers_end(cube, place):
+    """They were diced without end; what is not finite is told and left out, as of other meshes."""
+    diced(cube, 1.0)
+    cube.data.vertices[0].co.x = place
+    lines = []
+    scene = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines)
+    assert np.isfinite(scene.mesh.vertices).all()
+    if not np.isfinite(place):
+        assert any("Object Cube" in line and "left out" in line for line in lines)
+
+
+def test_absurd_fineness_comes_to_an_end(cube, monkeypatch):
+    """Far from what there is room for, it gets coarser in ever larger steps: ten at the most."""
+    diced(cube, 1.0, "SIMPLE")
+    set_pixels(cube, 0.1)
+    bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 4000
+    bpy.context.scene.cycles.preview_dicing_rate = 0.1
+    asked = []
+    monkeypatch.setattr(diced_mesh, "free_memory_bytes", lambda: 500 * 5000)
+    original = dicing.split_patches
+    monkeypatch.setattr(dicing, "split_patches", lambda *own: asked.append(1) or original(*own))
+    lines = []
+    scene = export_scene(bpy.context.evaluated_depsgraph_get(), warnings=lines)
+    assert any(line.startswith("Object Cube: diced to edges of ") for line in lines)
+    assert 24 < len(scene.mesh.triangles) < 10_000 and len(asked) <= 10
 
 
 def test_micropolygons_move_with_their_cage(cube):
