@@ -6,10 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
-from ..panorama_places import space_axes
 from ..program import SurfaceData
 from ..rows import rows_of
 from ..scene import Camera, TriangleMesh
+from .from_camera import footprint_at, from_camera, ray_length_at
 from .places import barycentric_of, in_shape, kernels, tangents_of
 from .values import as_vector, column, dot, length, normalized, vector
 
@@ -222,41 +222,22 @@ class ShadeContext:
 
     @cached_property
     def camera_position(self) -> np.ndarray:
-        """float32 (n, 3): right, up, away from the camera; of a panorama as space_axes has it."""
-        matrix = np.linalg.inv(self.camera.camera_to_world @ space_axes(self.camera))
-        return (self.position @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+        """float32 (n, 3): right, up, away from the camera."""
+        return from_camera(self.camera, self.position)
 
     @cached_property
     def footprint(self) -> np.ndarray:
         """float32 (n,), metres that a pixel covers at the point, seen straight on."""
         if self.now is not None:
             return self.now.footprint
-        if self.camera.kind == "PANORAMIC":
-            from ..panorama import pixel_angle  # a kernel: the exporters load without numba
-
-            distance = np.linalg.norm(self.camera_position, axis=1)
-            return np.maximum(distance * pixel_angle(self.camera), 1e-6).astype(np.float32)
-        left, right, _, _ = self.camera.window
-        width = abs(right - left) / self.camera.width
-        if self.camera.kind == "ORTHOGRAPHIC":
-            return np.full(len(self), width, np.float32)
-        depth = np.abs(self.camera_position[:, 2])
-        return np.maximum(depth * width, 1e-6).astype(np.float32)
+        return footprint_at(self.camera, self.camera_position)
 
     @property
     def ray_length(self) -> np.ndarray:
-        """float32 (n,), metres from where the ray began: as in Cycles, on the near clip plane."""
+        """float32 (n,), metres from where the ray began."""
         if self._distance is not None:
             return self._distance
-        if self.camera.kind == "PANORAMIC":
-            beyond = np.linalg.norm(self.camera_position, axis=1) - self.camera.clip_start
-            return np.maximum(beyond, 0.0).astype(np.float32)
-        depth = np.abs(self.camera_position[:, 2])
-        beyond = np.maximum(depth - np.float32(self.camera.clip_start), 0.0)
-        if self.camera.kind == "ORTHOGRAPHIC":
-            return beyond
-        slant = np.linalg.norm(self.camera_position, axis=1) / np.maximum(depth, 1e-20)
-        return (beyond * slant).astype(np.float32)
+        return ray_length_at(self.camera, self.camera_position)
 
     def tangents(self, size) -> tuple[np.ndarray, np.ndarray]:
         """See places.tangents_of, of their faces."""
