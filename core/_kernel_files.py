@@ -6,23 +6,39 @@ later render; a sum at the end of each file tells of it, and the kernel is compi
 numba numbers the files of a kernel's signatures and processors. Two processes that begin at once,
 on machines of a farm that share a folder, take the same number, and one would execute what the
 other has compiled for other types or another processor. Here a file is named by what it is for.
+
+Processes that begin at once on an empty folder want the same kernels: one compiles, the others wait
+for it and read (turn_of).
 """
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import logging
 import pickle
+import time
 import zlib
+from pathlib import Path
 
 from numba.core import ccallback, sigutils
 from numba.core.caching import IndexDataCacheFile
+
+try:
+    import fcntl
+except ImportError:  # on Windows
+    import msvcrt
+
+    fcntl = None
 
 log = logging.getLogger(__name__)
 
 _SUM = 4  # bytes
 _NAME = 12  # letters: Windows has paths of 260
+# How long to wait for another process, several times what the largest kernel takes; and between
+# two looks at whether it is done.
+_TURN_SECONDS, _POLL_SECONDS = 120.0, 0.05
 
 
 class KernelFiles(IndexDataCacheFile):
@@ -45,6 +61,10 @@ class KernelFiles(IndexDataCacheFile):
                 self._save_index(listed | {key: name})
         except OSError as error:
             _tell_once(self._cache_path, error.strerror or str(error))
+
+    def turn(self):
+        """A context: among all processes of this folder, the turn to compile this kernel."""
+        return turn_of(Path(self._cache_path, self._index_name).with_suffix(".turn"))
 
     def _name_of(self, key) -> str:
         digest = hashlib.sha256(self._dump(key)).hexdigest()[:_NAME]
@@ -70,6 +90,37 @@ class KernelFiles(IndexDataCacheFile):
         if zlib.crc32(data[:-_SUM]).to_bytes(_SUM, "little") != data[-_SUM:]:
             raise OSError(f"{self._data_path(name)} is damaged")  # as if there were none
         return pickle.loads(data[:-_SUM])
+
+
+@contextlib.contextmanager
+def turn_of(path: Path, seconds: float = _TURN_SECONDS):
+    """Hold the lock of a file. Without it where there are no locks, or where ``seconds`` did not
+    suffice: then two do the same. The system takes it from a process that ends, however it does.
+    """
+    try:
+        file = open(path, "ab")
+    except OSError:
+        yield
+        return
+    with file:
+        end = time.monotonic() + seconds
+        while not _is_locked(file) and time.monotonic() < end:
+            time.sleep(_POLL_SECONDS)
+        yield
+
+
+def _is_locked(file) -> bool:
+    """Whether there is nothing to wait for: the lock is this process's, or there are none here."""
+    try:
+        if fcntl is not None:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        else:
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+    except (BlockingIOError, PermissionError):
+        return False
+    except OSError:
+        pass
+    return True
 
 
 @functools.cache

@@ -11,7 +11,7 @@ A kernel that is found in the disk cache needs no parts: they are not kept there
 from __future__ import annotations
 
 import gc
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import ClassVar
 
 from llvmlite import ir
@@ -45,9 +45,17 @@ class Kernel(CPUDispatcher):
     _part = None
 
     def compile(self, sig):
-        """Load or compile what Python has called."""
-        with global_compiler_lock, _rare_collections():
+        """Load or compile what Python has called: of several processes one compiles."""
+        with global_compiler_lock, self._turn(sig), _rare_collections():
             return super().compile(sig)
+
+    def _turn(self, sig):
+        files = getattr(
+            self._cache, "_cache_file", None
+        )  # of a kernel that is not kept there is none
+        if files is None or (isinstance(sig, tuple) and self.is_kept(sig)):
+            return nullcontext()
+        return files.turn()
 
     def is_kept(self, args: tuple) -> bool:
         """Whether there is machine code for arguments of these types, here or in the cache."""

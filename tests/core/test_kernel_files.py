@@ -2,6 +2,11 @@
 
 import errno
 import logging
+import os
+import subprocess
+import sys
+import threading
+import time
 from pathlib import Path
 
 import numba
@@ -112,3 +117,51 @@ def test_a_full_disk_is_told_once_and_no_error(folder, monkeypatch, caplog):
     assert [r.getMessage().count("No space left on device") for r in caplog.records] == [1]
     assert str(folder) in caplog.records[0].getMessage()
     assert not list(Path(folder).rglob("*.nb?"))
+
+
+_ONE_OF_MANY = """
+import sys, time
+from pathlib import Path
+import numpy as np
+from iwis.core.halton import halton_table
+Path(sys.argv[1], sys.argv[2]).touch()
+while not Path(sys.argv[1], "go").exists():
+    time.sleep(0.001)
+halton_table(2, np.zeros((2, 2)))
+print(sum(halton_table.stats.cache_misses.values()))
+"""
+
+
+@pytest.mark.slow
+def test_of_processes_that_begin_at_once_one_compiles(tmp_path):
+    """The others wait for it, and read what it has kept."""
+    environment = os.environ | {"IWIS_CACHE_DIR": str(tmp_path / "cache")}
+    command = [sys.executable, "-c", _ONE_OF_MANY, str(tmp_path)]
+    pipe = {"stdout": subprocess.PIPE, "env": environment, "text": True}
+    processes = [subprocess.Popen([*command, name], **pipe) for name in "abc"]
+    while not all((tmp_path / name).exists() for name in "abc"):
+        assert all(process.poll() is None for process in processes)
+        time.sleep(0.01)
+    (tmp_path / "go").touch()
+    assert sorted(process.communicate()[0].strip() for process in processes) == ["0", "0", "1"]
+
+
+def test_nobody_waits_for_a_turn_for_ever(tmp_path):
+    """Nor for one that has ended, nor where there is no folder; and one comes after another."""
+    path, order = tmp_path / "a.turn", []
+
+    def second():
+        with _kernel_files.turn_of(path):
+            order.append("second")
+
+    thread = threading.Thread(target=second)
+    with _kernel_files.turn_of(path):
+        with _kernel_files.turn_of(path, seconds=0.1):
+            order.append("without")
+        thread.start()
+        time.sleep(0.2)
+        order.append("first")
+    thread.join()
+    assert order == ["without", "first", "second"]
+    with _kernel_files.turn_of(tmp_path / "nowhere" / "a.turn"):
+        pass
