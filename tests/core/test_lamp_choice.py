@@ -94,6 +94,26 @@ def test_lamps_below_the_shading_normal_light_gloss(material, lit):
     assert shares[0] == 0.0
 
 
+@pytest.mark.parametrize("far", [0.4, 0.01, 0.0])
+def test_a_lamp_that_a_point_is_in_has_the_share_of_half_its_radius(far):
+    """However near its middle the point is: else all samples would go to that lamp alone, and at
+    the middle itself no share would be a number."""
+    points, lobes, _ = seen_point(MATTE)
+    others = [{"kind": SPHERE, "position": (0.1 * k, 1.0, 2.0)} for k in range(ALL_LAMPS)]
+
+    def shares_of(z):
+        ball = {"kind": SPHERE, "position": (0.0, 0.0, z), "size": (1.0, 0.0), "radiance": 0.01}
+        rows = [ball] + [row | {"radiance": 1.0} for row in others]
+        lamps, shares = make_lamps(rows), np.empty(len(rows))
+        _share_out(lamps, powers_of(lamps), points, lobes, shares)
+        return shares
+
+    found = shares_of(far)
+    assert 0.0 < found[0] < found.sum()
+    # The point lies on a floor at 0, but for what float32 rays of 10 m leave of it.
+    np.testing.assert_allclose(found, shares_of(0.5), rtol=1e-5)
+
+
 def test_powers_are_intensities_and_a_suns_irradiance():
     """Along a lamp's axis: radiance x area; pi sin^2 of half the angle, of a sun."""
     rows = [{"kind": SUN, "size": (0.1, 0.0)}, {"kind": SUN}, {"kind": SPHERE, "size": (0.5, 0.0)}]

@@ -209,8 +209,24 @@ def copied(picture):
     return picture.layers["combined"].copy()
 
 
-def test_warm_up_traces():
+def test_warm_up_traces_rays_of_both_kinds(monkeypatch):
+    """So that a window compiles nothing at the first drag: both meet the triangle that they are
+    aimed at, through the hierarchies of what has moved."""
+    traced = {}
+
+    class Watched(MovedAccel):
+        def intersect(self, origins, directions):
+            traced["intersect"] = hits = super().intersect(origins, directions)
+            return hits
+
+        def occluded(self, origins, directions):
+            traced["occluded"] = blocked = super().occluded(origins, directions)
+            return blocked
+
+    monkeypatch.setattr(moved_accel, "MovedAccel", Watched)
     moved_accel.warm_up()
+    assert traced["intersect"][0].tolist() == [0]
+    assert traced["occluded"].tolist() == [True]
 
 
 @pytest.mark.parametrize("large", [False, True], ids=["own hierarchies", "instances"])

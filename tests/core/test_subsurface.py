@@ -134,6 +134,17 @@ def test_walks_end_on_the_outside_of_their_own_object():
     assert (np.abs(first - second).max(axis=1) < 1e-3).mean() > 0.999
 
 
+def test_walks_that_would_start_outwards_are_none():
+    """Under a normal that is far off the surface some first directions lead out of it: they would
+    end at a ceiling of the same object. Inwards is nothing, for so far that none scatters."""
+    room = scenes.join_parts([scenes.floor(1.0), scenes.floor(50.0, 1.0)])
+    scene, n = _scene([room]), 4000
+    accel, points = _looked_at(scene, _down(n), (0.1, 0.05, 0.5))
+    tilted = np.tile(np.float32([np.sin(1.3), 0.0, np.cos(1.3)]), (n, 1))
+    media = _media(n, 0.9, 1e12, method=SKIN)
+    assert not len(_walk(scene, accel, points._replace(normal=tilted), media).of)
+
+
 def test_a_walk_depends_on_its_pixel_pass_and_seed_alone():
     scene = _scene([scenes.sphere()])
     accel, points = _looked_at(scene, _down(300), (0.2, 0.3, 3.0))
