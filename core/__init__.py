@@ -19,7 +19,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
     voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser, bake_rays,
-    walk_steps, round_points, hair, lamp_choice, dicing_view
+    walk_steps, round_points, hair, dicing_view
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, sample_order, measured, lobe_setup, embree_instances, hair_cells,
@@ -27,7 +27,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
     light_rays, paper_tables, light_cells, lamp_rays, pass_rays, moving_accel,
     moved_accel, surface_numbers, near_rays, pixel_motion, random_walk, copied_accel,
-    micropolygons
+    micropolygons, lamp_choice
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree, backdrop, emission_parts, like_products, closure_columns,
     displacement, lamp_light, moving_copies, patch_values

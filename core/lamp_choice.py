@@ -1,4 +1,5 @@
-"""Which of many lamps a point takes: in proportion to what each may bring there."""
+"""Which of many lamps a point takes: in proportion to what each may bring there, by the matte lobe
+and by the glossy one."""
 
 from __future__ import annotations
 
@@ -7,17 +8,19 @@ import math
 import numpy as np
 
 from ._jit import kernel
+from .brdf import pdf_narrowest_at
 from .channels import LUMINANCE
 from .lambert_kinds import HAIR
 from .lamp_cones import cone_factor
 from .lamp_falloff import falloff_at
-from .lamps import BEAM, MESH, ROUND_BEAM, SUN, Lamps
+from .lamps import BEAM, DISC, MESH, ROUND_BEAM, SPHERE, SUN, Lamps
 from .lobes import DIFFUSE_LOBE
+from .microfacet import MIN_ALPHA
 from .near_meshes import is_near_mesh
 
 # Up to so many lamps all are sampled; of more, so many at each point.
 ALL_LAMPS, CHOSEN_LAMPS = 16, 8
-_LEAST_COSINE, _QUARTER = 0.1, 0.5 * math.pi
+_LEAST_COSINE, _LEAST_SHARE, _QUARTER = 0.1, 0.1, 0.5 * math.pi
 _NO_CONE = np.float32(-1.5)
 _ZERO = np.float32(0.0)
 
@@ -65,6 +68,36 @@ def _cosine(at, x, y, z, width, far):
 
 
 @kernel(forceinline=True)
+def _lobe_towards(at, x, y, z, radius, far):
+    """The greatest density of the glossy lobe over a ball of that radius at (x, y, z) from the
+    point, so ``far``; less where the ball holds most of the lobe, whose own samples meet it."""
+    m, wo, twice, scale = at.glossy_normal, at.wo, 2.0 * at.cos_o, 1.0 / max(far, 1e-12)
+    rx, ry, rz = twice * m[0] - wo[0], twice * m[1] - wo[1], twice * m[2] - wo[2]
+    dx, dy, dz = x * scale, y * scale, z * scale
+    cosine, sine = dx * rx + dy * ry + dz * rz, min(radius * scale, 1.0)
+    along = math.sqrt(1.0 - sine * sine)
+    if cosine < along:  # the ball's edge that is nearest to the mirrored direction
+        aside = sine / math.sqrt(max(1.0 - cosine * cosine, 1e-12))
+        along -= aside * cosine
+        rx, ry, rz = along * dx + aside * rx, along * dy + aside * ry, along * dz + aside * rz
+    density = np.float64(pdf_narrowest_at(at, np.float32(rx), np.float32(ry), np.float32(rz)))
+    held = math.pi * sine * sine * density
+    return density / (1.0 + held * held)
+
+
+@kernel(forceinline=True)
+def _reflected(at, x, y, z, extent, radius, far):
+    """About pi times what the BSDF makes of light from there, of all that it reflects; 0 only where
+    all of the lamp is below. extent: of _cosine; radius: of _lobe_towards"""
+    cosine = _cosine(at, x, y, z, extent, far)
+    if at.kind <= DIFFUSE_LOBE or at.alpha <= MIN_ALPHA or cosine == 0.0:
+        return cosine
+    share = np.float64(at.diffuse_share)
+    gloss = math.pi * (1.0 - share) * _lobe_towards(at, x, y, z, radius, far)
+    return cosine * max(share, _LEAST_SHARE) + gloss
+
+
+@kernel(forceinline=True)
 def _towards(lamps, i, x, y, z, width, far):
     """About what lamp i shines towards (x, y, z), so far from its middle, of what it does along its
     axis; 0 only for one without size, whose cone ends before."""
@@ -83,7 +116,8 @@ def _importance(lamps, powers, i, px, py, pz, at):
     kind = lamps.kind[i]
     if kind == SUN:
         x, y, z = -lamps.forward[i, 0], -lamps.forward[i, 1], -lamps.forward[i, 2]
-        return powers[i] * _cosine(at, x, y, z, math.sin(min(lamps.size[i, 0], _QUARTER)), 1.0)
+        sine = math.sin(min(lamps.size[i, 0], _QUARTER))
+        return powers[i] * _reflected(at, x, y, z, sine, sine, 1.0)
     x = px - np.float64(lamps.position[i, 0])
     y = py - np.float64(lamps.position[i, 1])
     z = pz - np.float64(lamps.position[i, 2])
@@ -97,7 +131,8 @@ def _importance(lamps, powers, i, px, py, pz, at):
     radius = 0.5 * max(width, height)
     squared = max(x * x + y * y + z * z, max(radius * radius, 1e-12))
     far = math.sqrt(squared)
-    share = _falloff(lamps, i, far) * _cosine(at, -x, -y, -z, width + height, far)
+    reach = width if kind == SPHERE or kind == DISC else radius
+    share = _falloff(lamps, i, far) * _reflected(at, -x, -y, -z, width + height, reach, far)
     return powers[i] / squared * share * _towards(lamps, i, x, y, z, width + height, far)
 
 
