@@ -125,7 +125,9 @@ class IWIS_PT_sampling_advanced(IWISPanel, bpy.types.Panel):
             "seed",
             "use_animated_seed",
         ):
-            layout.prop(iwis, name)
+            row = layout.row()
+            row.active = name != "coefficients" or iwis.estimator == "PAPER"
+            row.prop(iwis, name)
         layout.operator("iwis.copy_cycles_settings")
 
 

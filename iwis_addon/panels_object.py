@@ -87,6 +87,12 @@ class IWIS_PT_object_motion_blur(_ObjectPanel, bpy.types.Panel):
             layout.prop(own, "use_deform_motion", text="Deformation")
 
 
+def _adaptive(obj):
+    """What says whether an object's last modifier is adaptive: of Blender 4.5 Cycles' settings."""
+    last = obj.modifiers[-1]
+    return last if hasattr(last, "use_adaptive_subdivision") else obj.cycles
+
+
 class IWIS_PT_object_subdivision(_ObjectPanel, bpy.types.Panel):
     bl_label = "Adaptive Subdivision"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
@@ -98,13 +104,11 @@ class IWIS_PT_object_subdivision(_ObjectPanel, bpy.types.Panel):
         return hasattr(obj, "cycles") and last is not None and last.type == "SUBSURF"
 
     def draw_header(self, context):
-        last = context.object.modifiers[-1]
-        newer = hasattr(last, "use_adaptive_subdivision")
-        owner = last if newer else context.object.cycles
-        self.layout.prop(owner, "use_adaptive_subdivision", text="")
+        self.layout.prop(_adaptive(context.object), "use_adaptive_subdivision", text="")
 
     def draw(self, context):
         layout, last = self.split_layout(), context.object.modifiers[-1]
+        layout.active = _adaptive(context.object).use_adaptive_subdivision
         if not hasattr(last, "adaptive_space"):
             layout.prop(context.object.cycles, "dicing_rate")
             return

@@ -148,6 +148,17 @@ def test_panels_draw_what_exists(scene, cls):
     assert panel.layout.drawn or has_children
 
 
+@pytest.mark.parametrize("estimator", ["UNBIASED", "PAPER"])
+def test_coefficients_are_grey_where_no_table_is_made(scene, estimator):
+    """They are of mode PAPER alone."""
+    panel, grey = types.SimpleNamespace(layout=Layout()), {}
+    panel.split_layout = lambda: panel.layout
+    panel.layout.prop = lambda _owner, name: grey.update({name: not panel.layout.active})
+    scene.iwis.estimator = estimator
+    panels.IWIS_PT_sampling_advanced.draw(panel, bpy.context)
+    assert [name for name in grey if grey[name]] == ["coefficients"] * (estimator != "PAPER")
+
+
 @pytest.mark.parametrize("width", [218, 400])
 def test_texts_beside_buttons_are_not_cut_off(width):
     """At the width of a new window's properties editor, and wider: 6.2 pixels a letter, measured,

@@ -77,6 +77,11 @@ def test_subdivision_can_be_set(scene):
         panel.draw(own, context)
         expected = {"adaptive_space", size} if newer else {"dicing_rate"}
         assert set(own.layout.drawn) == {"use_adaptive_subdivision", *expected}
+        assert not own.layout.active
+    owner = last if newer else obj.cycles
+    owner.use_adaptive_subdivision = True
+    panel.draw(own, context)
+    assert own.layout.active
     obj.modifiers.new("Last", "TRIANGULATE")
     assert not panel.poll(context)
 
