@@ -13,7 +13,7 @@ from .channels import LUMINANCE
 from .lambert_kinds import HAIR
 from .lamp_cones import cone_factor
 from .lamp_falloff import falloff_at
-from .lamps import BEAM, DISC, MESH, ROUND_BEAM, SPHERE, SUN, Lamps
+from .lamps import BEAM, DISC, MESH, NOT_BY_BSDF, ROUND_BEAM, SPHERE, SUN, Lamps
 from .lobes import DIFFUSE_LOBE
 from .microfacet import MIN_ALPHA
 from .near_meshes import is_near_mesh
@@ -150,8 +150,15 @@ def share_out(lamps, powers, points, p, at, shares):
 
 
 @kernel(forceinline=True)
+def is_in_mirrors(lamps, i):
+    """Whether a perfect mirror shows lamp i: what has a size and is found by the BSDF."""
+    finds = not lamps.seen_by[i] & NOT_BY_BSDF
+    return finds and lamps.size[i, 0] > _ZERO and lamps.kind[i] < BEAM
+
+
+@kernel(forceinline=True)
 def is_met(lamps, i, sharp, position, p):
-    """Whether the BSDF's samples at point p look for lamp i: a sharp lobe's for all of a size."""
+    """Whether the BSDF's samples at point p look for lamp i: a sharp lobe's, where mirrors do."""
     if not sharp:
         return is_near_mesh(lamps, i, position, p)
-    return lamps.size[i, 0] > _ZERO and lamps.kind[i] < BEAM
+    return is_in_mirrors(lamps, i)

@@ -25,12 +25,12 @@ from .brdf import (
     sample_at,
     sample_narrowest_at,
 )
-from .lamp_choice import ALL_LAMPS, CHOSEN_LAMPS, is_met, powers_of, share_out
+from .lamp_choice import ALL_LAMPS, CHOSEN_LAMPS, is_in_mirrors, is_met, powers_of, share_out
 from .lamp_falloff import falloff_at
 from .lamp_pictures import tint_at
 from .lamp_rays import COLUMNS, UNOCCLUDED, LampRays, add_rays, aim, bring, column_of
 from .lamp_shapes import meet_lamp, sample_lamp
-from .lamps import BEAM, BY_DIFFUSE, BY_GLOSSY, Lamps
+from .lamps import BY_DIFFUSE, BY_GLOSSY, Lamps
 from .lobes import DIFFUSE_LOBE, Lobes
 from .lobes_at import lobes_at
 from .luminance import luminance
@@ -75,11 +75,11 @@ def _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays,
     face: of sample_lamp; weight: factor of its radiance times the BRDF and the cosine
     """
     dr, dg, db, gr, gg, gb = eval_at(at, np.float32(wi[0]), np.float32(wi[1]), np.float32(wi[2]))
-    seen_by, soft = lamps.seen_by[i], lamps.size[i, 0] > _ZERO
+    seen_by = lamps.seen_by[i]
     diffuse = weight if seen_by & BY_DIFFUSE else 0.0
     glossy = weight if seen_by & BY_GLOSSY else 0.0
-    if at.alpha <= MIN_ALPHA and not (soft and lamps.kind[i] < BEAM):
-        glossy = 0.0  # a mirror shows nothing of what has no size
+    if at.alpha <= MIN_ALPHA and not is_in_mirrors(lamps, i):
+        glossy = 0.0
     r, g, b = lamps.radiance[i, 0], lamps.radiance[i, 1], lamps.radiance[i, 2]
     if face >= 0:
         flat = points.geometric_normal

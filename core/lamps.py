@@ -14,7 +14,7 @@ import numpy as np
 # Lamps.kind
 SUN, SPHERE, DISC, RECTANGLE, ELLIPSE, MESH, BEAM, ROUND_BEAM = range(8)
 # Lamps.seen_by
-BY_DIFFUSE, BY_GLOSSY, BY_CAMERA = 1, 2, 4
+BY_DIFFUSE, BY_GLOSSY, BY_CAMERA, NOT_BY_BSDF = 1, 2, 4, 8
 EVERYWHERE = np.float32(-2.0)  # Lamps.cone of what is no spot
 # Cosine of half the angle of the widest spot that has its picture on a plane (lamp_pictures.py).
 PLANE_EDGE = 0.2
@@ -79,7 +79,8 @@ class Lamps(NamedTuple):
     kind: int8 (n,); SUN: a disc at infinity; SPHERE: of point and spot lamps; DISC: the same with
         soft falloff, a disc that faces whoever looks at it; RECTANGLE, ELLIPSE: one-sided areas;
         MESH: faces that shine on both sides; BEAM, ROUND_BEAM: areas that shine along their axis
-    seen_by: int8 (n,), BY_DIFFUSE | BY_GLOSSY: which lobes it lights; BY_CAMERA: it is seen itself
+    seen_by: int8 (n,), BY_DIFFUSE | BY_GLOSSY: which lobes it lights; BY_CAMERA: it is seen itself;
+        NOT_BY_BSDF: samples of the BSDF do not find it, its own are all there is
     shadow: bool (n,), whether it casts shadows
     position: float32 (n, 3), of the centre
     forward, right, up: float32 (n, 3), unit: where it shines, and the sides of an area

@@ -40,7 +40,10 @@ class IWIS_PT_lamp_settings(_LampPanel, bpy.types.Panel):
     def draw(self, context):
         column, light = self.split_layout().column(), context.light
         column.prop(light, "use_shadow", text="Cast Shadow")
-        if light.type == "AREA" and hasattr(light, "cycles"):
+        if not hasattr(light, "cycles"):  # the others are Cycles' own, as long as it is on
+            return
+        column.prop(light.cycles, "use_multiple_importance_sampling", text="Multiple Importance")
+        if light.type == "AREA":
             column.prop(light.cycles, "is_portal", text="Portal")
 
 

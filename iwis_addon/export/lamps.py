@@ -19,6 +19,7 @@ from ...core.lamps import (
     BY_GLOSSY,
     DISC,
     ELLIPSE,
+    NOT_BY_BSDF,
     RECTANGLE,
     ROUND_BEAM,
     SPHERE,
@@ -74,6 +75,7 @@ def read_lamp(asked: Asked, matrix_world, warnings: list[str], images, layer) ->
         row |= _varying(light, row, matrix, varying, nodes)
     seen_by = BY_DIFFUSE * obj.visible_diffuse | BY_GLOSSY * obj.visible_glossy
     seen_by |= BY_CAMERA * obj.visible_camera
+    seen_by |= NOT_BY_BSDF * (not _cycles(light, "use_multiple_importance_sampling", True))
     frame = {"position": matrix[:3, 3], "seen_by": seen_by, "shadow": light.use_shadow}
     for name, column in (("right", matrix[:3, 0]), ("up", matrix[:3, 1])):
         frame[name] = _unit(column)

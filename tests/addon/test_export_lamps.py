@@ -14,6 +14,7 @@ from iwis.core.lamps import (
     BY_GLOSSY,
     DISC,
     ELLIPSE,
+    NOT_BY_BSDF,
     RECTANGLE,
     ROUND_BEAM,
     SPHERE,
@@ -108,6 +109,9 @@ def test_frame_size_and_flags(scene):
     assert row["seen_by"] == BY_DIFFUSE and not row["shadow"]
     obj.visible_camera = True
     assert exported()[0]["seen_by"] == BY_DIFFUSE | BY_CAMERA
+    obj.data.cycles.use_multiple_importance_sampling = False
+    obj.data.update_tag()
+    assert exported()[0]["seen_by"] == BY_DIFFUSE | BY_CAMERA | NOT_BY_BSDF
     assert row["radiance"][0] == pytest.approx(10.0 / (math.pi * 3.0))
 
 

@@ -11,6 +11,7 @@ from iwis.core.lamps import (
     BY_GLOSSY,
     DISC,
     ELLIPSE,
+    NOT_BY_BSDF,
     RECTANGLE,
     ROUND_BEAM,
     SPHERE,
@@ -229,6 +230,18 @@ def test_a_perfect_mirror_shows_no_lamp_without_size():
     row = {"kind": SPHERE, "position": (0.6, 0.0, 0.8)}
     assert not one(row, glossy(1e-8)).any()
     assert one(row, glossy(0.04)).any()
+
+
+def test_without_multiple_importance_no_mirror_shows_a_lamp():
+    """Its own samples are all there is, whole: gloss has the same mean (four standard errors), with
+    more noise."""
+    row = LAMPS["sphere"] | {"radiance": 1.0, "position": (0.6, 0.0, 0.8)}
+    alone = row | {"seen_by": BY_DIFFUSE | BY_GLOSSY | NOT_BY_BSDF}
+    assert not one(alone, glossy(1e-8)).any() and one(row, glossy(1e-8)).any()
+    np.testing.assert_array_equal(one(alone), one(row))
+    both, own = (sampled([lamp], MATERIALS["gloss"])[:, 3] for lamp in (row, alone))
+    assert abs(own.mean() - both.mean()) < 4.0 * own.std() / math.sqrt(len(own))
+    assert own.std() > 2.0 * both.std()
 
 
 def test_shadows_end_at_the_lamp():

@@ -9,11 +9,13 @@ from .scene import Tree
 
 
 def add_lamp(scene, kind, location, target=(0.0, 0.0, -0.4), scale=(1.0, 1.0, 1.0), **settings):
-    """A light that shines on a target. settings: of the light, and visible_... of its object"""
+    """A light that shines on a target. settings: of the light, visible_... of its object, and
+    multiple_importance, of Cycles' settings"""
     import mathutils
 
     light = bpy.data.lights.new("Lamp", kind)
     obj = bpy.data.objects.new("Lamp", light)
+    light.cycles.use_multiple_importance_sampling = settings.pop("multiple_importance", True)
     for name, value in settings.items():
         setattr(obj if name.startswith("visible") else light, name, value)
     away = mathutils.Vector(location) - mathutils.Vector(target)
@@ -157,6 +159,26 @@ for _roughness in (0.05, 0.15, 0.3, 1.0):
         use_soft_falloff=False,
         **BALL,
     )
+for _roughness in (0.0, 0.15):
+    _case(
+        f"Area, no Multiple Importance, roughness {_roughness}",
+        "AREA",
+        SIDE,
+        shiny(_roughness, Metallic=0.5),
+        multiple_importance=False,
+        size=1.5,
+        **_AREA,
+    )
+_case("Sun, no Multiple Importance", "SUN", SIDE, shiny(0.1), multiple_importance=False, angle=0.1)
+_case(
+    "Point, no Multiple Importance",
+    "POINT",
+    SIDE,
+    shiny(0.1, Metallic=1.0),
+    multiple_importance=False,
+    use_soft_falloff=False,
+    **BALL,
+)
 _case(
     "Two lamps and a world",
     "AREA",
