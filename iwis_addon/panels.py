@@ -194,26 +194,6 @@ class IWIS_PT_performance_viewport(IWISPanel, bpy.types.Panel):
         self.split_layout().prop(context.scene.render, "preview_pixel_size", text="Pixel Size")
 
 
-class IWIS_PT_simplify(IWISPanel, bpy.types.Panel):
-    bl_label = "Simplify"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
-    bl_order = 3
-
-    def draw_header(self, context):
-        self.layout.prop(context.scene.render, "use_simplify", text="")
-
-    def draw(self, context):
-        layout, render = self.split_layout(), context.scene.render
-        layout.active = render.use_simplify
-        for name, text in (
-            ("simplify_subdivision", "Max Subdivision Viewport"),
-            ("simplify_child_particles", "Child Particles Viewport"),
-        ):
-            column = layout.column(align=True)
-            column.prop(render, name, text=text)
-            column.prop(render, f"{name}_render", text="Render")
-
-
 class IWIS_PT_subdivision(IWISPanel, bpy.types.Panel):
     bl_label = "Subdivision"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
@@ -276,7 +256,6 @@ CLASSES = (
     IWIS_PT_film,
     IWIS_PT_film_pixel_filter,
     IWIS_PT_subdivision,
-    IWIS_PT_simplify,
 )
 
 

@@ -47,6 +47,23 @@ class IWIS_PT_object_visibility(_ObjectPanel, bpy.types.Panel):
         column.prop(obj, "is_shadow_catcher")
 
 
+class IWIS_PT_object_culling(_ObjectPanel, bpy.types.Panel):
+    bl_label = "Culling"
+    bl_parent_id = "OBJECT_PT_visibility"
+
+    @classmethod
+    def is_about(cls, obj) -> bool:
+        """The settings are Cycles' own; of copies those of what is copied count."""
+        return hasattr(obj, "cycles") and obj.type in cls.kinds
+
+    def draw(self, context):
+        layout, scene = self.split_layout(), context.scene
+        for kind in ("camera", "distance"):
+            row = layout.row()
+            row.active = scene.render.use_simplify and getattr(scene.cycles, f"use_{kind}_cull")
+            row.prop(context.object.cycles, f"use_{kind}_cull")
+
+
 class IWIS_PT_object_terminator(_ObjectPanel, bpy.types.Panel):
     bl_label = "Shadow Terminator"
     bl_parent_id = "OBJECT_PT_shading"
@@ -138,6 +155,7 @@ class IWIS_PT_material_settings(IWISPanel, bpy.types.Panel):
 
 CLASSES = (
     IWIS_PT_object_visibility,
+    IWIS_PT_object_culling,
     IWIS_PT_object_terminator,
     IWIS_PT_object_light_group,
     IWIS_PT_object_motion_blur,

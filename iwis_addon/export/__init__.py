@@ -2,6 +2,7 @@
 
 errors                       what can stop an export
 local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
+culling                      objects that are left out as they are outside of the picture
 adaptive, cage, diced_mesh   meshes that are subdivided as finely as they are seen
 copied                       which instances are not in it, but shown by Embree
 displaced_mesh               that table where materials have moved its vertices
@@ -19,6 +20,7 @@ asked, light_groups, aovs    passes on request: mist, mattes, ambient occlusion,
                              what nodes write
 bake                         triangles of an object for the texels that Blender wants baked
 measured                     materials with a measured BRDF in place of nodes
+texture_size                 images made smaller by Simplify
 live, late_sky               a window's scene, of which only what has changed is read again, and
                              whose skies are not waited for
 """
@@ -39,6 +41,7 @@ from .aovs import AovExport, export_aovs, no_aovs
 from .asked import occlusion_distance, read_asked
 from .camera import export_camera
 from .copied import Copying
+from .culling import culling_of
 from .displaced_mesh import displaced_geometry
 from .errors import ExportCancelled, ExportError
 from .lamp_pictures import with_pictures
@@ -50,6 +53,8 @@ from .measured import add_measured, without_measured
 from .mesh import ExportCache, MeshExport, export_mesh
 from .node_values import NodeReader
 from .surface_data import surface_data
+from .texel_cache import TexelCache
+from .texture_size import texture_size
 from .world import NO_LIGHT, NO_WORLD, is_in_layer, read_world, world_of
 from .world_picture import LEAST_IN_WINDOW
 
@@ -98,16 +103,20 @@ def export_scene(
     warnings: gets one line for all that is rendered otherwise than Cycles would
     geometry: gets what the mesh table was made of
     written_out: whether all triangles of all instances are to be in the mesh table
-    diced: whether adaptive subdivision counts, which baking does not know
+    diced: whether adaptive subdivision and culling count, which baking does not know
     Raises ExportError with what to do about it, ExportCancelled soon after cancelled() says so.
     """
     warn_of_missing_libraries(warnings)
     camera = camera or export_camera(depsgraph, warnings, region=region, own=own_camera)
-    read, texels = geometry, None if cache is None else cache.texels
+    read, texels = geometry, TexelCache() if cache is None else cache.texels
+    texels.size = texture_size(depsgraph)
+    if live is not None:
+        live.use(texels.size)
     shading = _Shading(depsgraph, live, texels, cancelled, warnings)
     copying = None if written_out else Copying(shading.materials_of, _pixels(camera, live))
     dicing = Dicing(depsgraph, camera) if diced else None
-    geometry = export_mesh(depsgraph, warnings, cache, cancelled, copying, dicing)
+    own = copying, dicing, culling_of(depsgraph, camera) if diced else None
+    geometry = export_mesh(depsgraph, warnings, cache, cancelled, *own)
     materials, measured = shading.of(geometry.materials, geometry.material_users)
     world = shading.world()
     if cancelled():

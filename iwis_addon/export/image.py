@@ -81,7 +81,7 @@ def texels_of(image) -> Texels:
     if not encoded:
         return Texels(color, srgb and not _is_builtin(image))
     if srgb:
-        return Texels(_srgb_decode(color) if image.is_float else _srgb_decode_bytes(color), True)
+        return Texels(srgb_decode(color) if image.is_float else _srgb_decode_bytes(color), True)
     if plain:
         return Texels(color, False)
     if share is None:
@@ -248,15 +248,21 @@ def luminance_of_channels() -> np.ndarray:
     return np.float32(_LUMINANCE.get(working_space(), _LUMINANCE[_WORKING_SPACE_OF_4]))
 
 
-def _srgb_decode(encoded: np.ndarray) -> np.ndarray:
+def srgb_decode(encoded: np.ndarray) -> np.ndarray:
     """Linear float32 of sRGB."""
     curve = ((np.maximum(encoded, 0.0) + 0.055) / 1.055) ** 2.4
     return np.where(encoded <= 0.04045, encoded / 12.92, curve).astype(np.float32)
 
 
+def srgb_encode(linear: np.ndarray) -> np.ndarray:
+    """sRGB of linear values: what was decoded before."""
+    curve = 1.055 * np.maximum(linear, 0.0) ** np.float32(1.0 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, linear * np.float32(12.92), curve)
+
+
 def _srgb_decode_bytes(encoded: np.ndarray) -> np.ndarray:
     """The same of the 256 levels of a byte, by a table."""
-    levels = _srgb_decode(np.arange(256) / 255.0)
+    levels = srgb_decode(np.arange(256) / 255.0)
     return levels[np.rint(encoded * 255.0).astype(np.uint8)]
 
 

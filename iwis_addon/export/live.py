@@ -9,6 +9,7 @@ from __future__ import annotations
 import bpy
 
 from .local_mesh import LiveMeshes, session_uid
+from .texture_size import WHOLE, TextureSize
 
 # Kinds of data that materials and world are made of. What an object is, is looked at every time.
 _SHADING = (
@@ -28,6 +29,7 @@ class LiveExport:
     def __init__(self):
         self.meshes = LiveMeshes()
         self._kept: dict[str, tuple] = {}
+        self._size = WHOLE
         self._all_anew = True
         self._frame: float | None = None
         # Whether shading asks for the frame, or for other properties of the scene; None: not known.
@@ -40,6 +42,11 @@ class LiveExport:
     def forget_world(self) -> None:
         """Read the world at the next export: it has got what it was waiting for."""
         self._kept.pop("world", None)
+
+    def use(self, size: TextureSize) -> None:
+        """Read all that shows images anew where they are to have another size."""
+        if size != self._size:
+            self._kept, self._size = {}, size
 
     def begin(self, updates, frame: float = 0.0) -> None:
         """Before an export. updates: of the dependency graph since the last one; frame: of time."""

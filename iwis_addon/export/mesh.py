@@ -12,6 +12,7 @@ from ...core.program import AtRest
 from ...core.scene import TriangleMesh
 from .adaptive import Dicing
 from .copied import Copying, CopyPlan, copies_of, same_plan
+from .culling import Culling
 from .instances import Inventory, collect_instances
 from .local_mesh import LiveMeshes, LocalMesh
 from .mesh_size import check_size
@@ -177,6 +178,13 @@ def _merge(inventory: Inventory, plan: CopyPlan | None, warnings, cancelled) -> 
     return _Merged(mesh, kept, placed if kept is None else None)
 
 
+def _kept(shown, culling: Culling | None):
+    """collect_instances' ``shown``, without what is culled."""
+    if culling is None:
+        return shown
+    return lambda item: (shown is None or shown(item)) and not culling.leaves_out(item)
+
+
 def export_mesh(
     depsgraph,
     warnings: list[str],
@@ -184,11 +192,13 @@ def export_mesh(
     cancelled=lambda: False,
     copying: Copying | None = None,
     dicing: Dicing | None = None,
+    culling: Culling | None = None,
 ) -> MeshExport:
     """All geometry that the graph renders, in world space; each triangle is finite and has area.
 
     copying: what may be left out of the mesh table; None: nothing
     dicing: of adaptive subdivision; None: meshes are taken as their modifiers leave them
+    culling: what is left out; None: nothing
     warnings: gets a line for each kind of object left out, and for each object with bad triangles
     cache: the same object for every frame of an animation; unchanged geometry is then reused
     Raises ExportError if there is too much, ExportCancelled as soon as cancelled() says so.
@@ -196,8 +206,9 @@ def export_mesh(
     cached = (None,) * 4
     if cache is not None:
         cached = cache.parts, cache.live, cache.shown, cache.texels
-    known, *cached = cached
-    inventory = collect_instances(depsgraph, warnings, known, cancelled, *cached, dicing)
+    known, live, shown, texels = cached
+    rest = live, _kept(shown, culling), texels, dicing
+    inventory = collect_instances(depsgraph, warnings, known, cancelled, *rest)
     parts, instances = inventory.parts, inventory.instances
     pass_index = np.array([instance.pass_index for instance in instances], np.float32)
     lift = np.array([instance.terminator_offset for instance in instances], np.float32)

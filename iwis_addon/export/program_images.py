@@ -16,7 +16,7 @@ import numpy as np
 
 from ...core.program import ImageTiles
 from ..scratch import scratch
-from .image import ImageError, Room, bytes_of, pixels_of, read_by, texels_of
+from .image import ImageError, Room, bytes_of, pixels_of, read_by, srgb_encode, texels_of
 
 _FIRST_TILE = 1001
 
@@ -140,13 +140,7 @@ def _read_rgba(image, image_user, room) -> tuple[np.ndarray, bool]:
 def _floats_of(image, no_alpha) -> tuple[np.ndarray, bool]:
     rgb, encoded = texels_of(image)
     rgba = np.ones((*rgb.shape[:2], 4), np.float32)
-    rgba[..., :3] = _srgb_encoded(rgb) if encoded else rgb
+    rgba[..., :3] = srgb_encode(rgb) if encoded else rgb
     if not no_alpha:
         rgba[..., 3] = pixels_of(image)[..., 3]
     return rgba, encoded
-
-
-def _srgb_encoded(linear: np.ndarray) -> np.ndarray:
-    """sRGB of linear values: what was decoded before."""
-    curve = 1.055 * np.maximum(linear, 0.0) ** np.float32(1.0 / 2.4) - 0.055
-    return np.where(linear <= 0.0031308, linear * np.float32(12.92), curve)

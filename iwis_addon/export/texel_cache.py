@@ -15,13 +15,16 @@ import bpy
 from .image import Texels, read_texels, working_space
 from .same import same
 from .sky import Skies
+from .texture_size import WHOLE, TextureSize, smaller_texels, smaller_tiles
 
 
 class TexelCache:
-    """Images by what they depend on, and what was made of them; skies: how those are read."""
+    """Images by what they depend on, and what was made of them; skies: how those are read; size:
+    how large images may be."""
 
     def __init__(self):
         self.skies = Skies()
+        self.size: TextureSize = WHOLE
         self._last: dict[tuple, Texels] = {}
         self._now: dict[tuple, Texels] = {}
         self._loaded_from: dict[int, tuple] = {}  # session_uid -> file as it was then
@@ -37,10 +40,15 @@ class TexelCache:
         """As read_texels; the very same arrays while the image has not changed."""
         key = self._key(image, image_user)
         if key is None:
-            return read_texels(image, image_user)
-        texels = self._last.get(key) or self._now.get(key) or read_texels(image, image_user)
+            return self._read(image, image_user)
+        texels = self._last.get(key) or self._now.get(key) or self._read(image, image_user)
         self._now[key] = texels
         return texels
+
+    def _read(self, image, image_user) -> Texels:
+        texels = read_texels(image, image_user)
+        plain = texels.srgb_interpolation or image.colorspace_settings.is_data
+        return smaller_texels(texels, self.size, plain and not image.is_float)
 
     def kept(self, slot, source, make):
         """make(), or the last frame's result for this slot while its source is equal.
@@ -58,11 +66,15 @@ class TexelCache:
 
     def tiles(self, image, image_user, make):
         """make(image, image_user), or what it gave while the image was the same."""
+
+        def read():
+            return smaller_tiles(make(image, image_user), self.size)
+
         key = self._key(image, image_user)
         if key is None:
-            return make(image, image_user)
+            return read()
         key = ("tiles", *key)
-        tiles = self._last.get(key) or self._now.get(key) or make(image, image_user)
+        tiles = self._last.get(key) or self._now.get(key) or read()
         self._now[key] = tiles
         return tiles
 
@@ -76,6 +88,7 @@ class TexelCache:
             image.colorspace_settings.name,
             image.alpha_mode,
             working_space(),
+            self.size,
         )
         if image.source == "SEQUENCE" and image.packed_files:
             return None

@@ -16,6 +16,7 @@ from iwis.iwis_addon import (
     panels_camera,
     panels_lamp,
     panels_passes,
+    panels_simplify,
     panels_status,
     panels_world,
 )
@@ -122,6 +123,7 @@ def test_unregister_takes_everything_back():
 CAMERA_PANELS = [panels_camera.IWIS_PT_motion_blur, panels_camera.IWIS_PT_motion_blur_curve]
 PANELS = [
     *panels.CLASSES,
+    *panels_simplify.CLASSES,
     *CAMERA_PANELS,
     *panels_bake.CLASSES,
     *panels_passes.CLASSES,

@@ -41,7 +41,7 @@ def test_objects_can_be_set(scene):
         *GROUP,
     }
     expected = {
-        mesh: shape,
+        mesh: shape | {"use_camera_cull", "use_distance_cull"},
         copies: shape,
         lamp: {"visible_camera", "visible_diffuse", "visible_glossy", *GROUP},
         camera: {"motion_steps"},

@@ -27,6 +27,7 @@ from . import (
     particle_cases,
     property_cases,
     shown_lamp_cases,
+    simplify_cases,
     space_cases,
     subsurface_cases,
     texture_cases,
@@ -75,5 +76,6 @@ _FAMILIES = (
     extreme_cases,
     tree_cases,
     space_cases,
+    simplify_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []
