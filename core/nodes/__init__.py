@@ -4,7 +4,7 @@ values       arithmetic of numbers (n,) and vectors (n, 3)
 context      what a node may ask of the points
 places       where these lie on triangles
 coordinates, images, arithmetic, color, normals, noise, gabor, voronoi, patterns,
-element_info, hair_info, metals, ies, falloff, near, wireframe
+element_info, hair_info, metals, ies, falloff, near, wireframe, wavelength
              the nodes, one file a family
 evaluate     a program's operations in their order
 world        what a node may ask of a direction that meets nothing

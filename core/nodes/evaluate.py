@@ -23,6 +23,7 @@ from . import (
     normals,
     patterns,
     voronoi,
+    wavelength,
     wireframe,
     world,
 )
@@ -48,6 +49,7 @@ for family in (
     falloff,
     near,
     wireframe,
+    wavelength,
     world,
 ):
     FUNCTIONS |= family.FUNCTIONS

@@ -6,9 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.nodes.ies import IES
-from ...core.program import Program, Ref, Value
-from .ies import IesError, read_ies
+from ...core.program import Program, Value
 from .node_values import NodeReader, follow
 from .object_properties import TABLES, Asked, blocks_of, outputs_of
 from .program_builder import ProgramBuilder
@@ -47,26 +45,14 @@ class _LampBuilder(ProgramBuilder):
 
     def _made(self, node, groups):
         """See ProgramBuilder."""
-        if node.bl_idname == "ShaderNodeTexIES":
-            return self._ies(node, groups)
         if node.bl_idname == "ShaderNodeAttribute" and node.attribute_type in TABLES:
             blocks = blocks_of(TABLES[node.attribute_type], self._asked, self._layer)
             return outputs_of(blocks, node.attribute_name)
         return super()._made(node, groups)
 
-    def _ies(self, node, groups):
-        """A luminaire's table, by direction."""
-        strength = self.number(node, "Strength", groups)
-        try:
-            settings = read_ies(node)
-        except IesError as error:
-            self.reader.warn(node, f"IES file: {error}; it shines as without it")
-            return {output.identifier: strength for output in node.outputs}
-        vector = self.vector_if_linked(node, "Vector", groups)
-        if vector is None:
-            vector = self.run_at_points("ShaderNodeTexCoord", "Normal", settings=_OF_NORMALS)[0]
-        row = self.add_node(node, groups, IES, {"Vector": vector, "Strength": strength}, settings)
-        return {output.identifier: Ref(row, "Fac") for output in node.outputs}
+    def outwards(self):
+        """See ProgramBuilder."""
+        return self.run_at_points("ShaderNodeTexCoord", "Normal", settings=_OF_NORMALS)[0]
 
 
 def read_light(tree, reader: LampReader, images, asked: Asked, layer: tuple) -> LampLight | None:

@@ -124,6 +124,15 @@ class ProgramBuilder:
         kind, settings = "ShaderNodeNewGeometry", {"outputs": {"Tangent"}}
         return Ref(self.add_node(None, (), kind, {}, settings), "Tangent")
 
+    def outwards(self) -> Value:
+        """To whoever looks, as a luminaire of a material has it: a normal of the object's space."""
+        settings = {"outputs": {"Incoming"}}
+        along = self.run_at_points("ShaderNodeNewGeometry", "Incoming", settings=settings)[0]
+        settings = {"vector_type": "NORMAL", "convert_from": "WORLD", "convert_to": "OBJECT"}
+        settings["outputs"] = {"Vector"}
+        kind = "ShaderNodeVectorTransform"
+        return self.run_at_points(kind, "Vector", Vector=along, settings=settings)[0]
+
     def run_at_points(self, kind: str, *outputs: str, **inputs) -> Value | list[Value]:
         """The same, of one that depends on the point even where its inputs do not: its outputs."""
         settings = inputs.pop("settings", {})

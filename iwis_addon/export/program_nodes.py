@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.nodes.falloff import LIGHT_FALLOFF
 from ...core.program import Ref
-from .blackbody import blackbody_color, blackbody_settings
+from . import spectral_nodes
 from .object_properties import TABLES
 from .origins import PARTICLE
 from .program_images import image_settings
@@ -206,13 +206,6 @@ def _image_texture(builder, node, groups):
     return builder.add_node(node, groups, node.bl_idname, inputs, settings)
 
 
-def _blackbody(builder, node, groups):
-    settings, inputs = blackbody_settings(), builder.inputs(node, groups)
-    if isinstance(inputs["Temperature"], Ref):
-        return builder.add_node(node, groups, node.bl_idname, inputs, settings)
-    return {"Color": np.float32(blackbody_color(inputs["Temperature"]))}
-
-
 def _light_falloff(builder, node, groups):
     """Light falls off by the square of the distance as it is: then it is a constant."""
     strength = builder.number(node, "Strength", groups)
@@ -268,7 +261,7 @@ HANDLERS = {
     "GeometryNodeInputSceneTime": _scene_time,
     "ShaderNodeAmbientOcclusion": _ambient_occlusion,
     "ShaderNodeBevel": _bevel,
-    "ShaderNodeBlackbody": _blackbody,
+    **spectral_nodes.HANDLERS,
     "ShaderNodeDisplacement": _displacement,
     "ShaderNodeVectorDisplacement": _displacement,
     "ShaderNodeTexCoord": _texture_coordinate,

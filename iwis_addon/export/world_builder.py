@@ -70,6 +70,10 @@ class WorldBuilder(ProgramBuilder):
             self._textures[DIRECTION] = self.add(Op(DIRECTION, {}, {}))
         return Ref(self._textures[DIRECTION], output)
 
+    def outwards(self) -> Ref:
+        """See ProgramBuilder."""
+        return self.direction("Normal")
+
     def add(self, op: Op) -> int:
         """The row of a new operation."""
         return self.add_node(None, (), *op)

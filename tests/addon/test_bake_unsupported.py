@@ -27,7 +27,9 @@ def _material(name, kind="ShaderNodeWavelength", output=0, target="Base Color"):
 
 
 @pytest.fixture
-def plane(scene):
+def plane(scene, monkeypatch):
+    """A plane; wavelengths are a node that is warned of."""
+    monkeypatch.delitem(HANDLERS, "ShaderNodeWavelength")
     bpy.ops.mesh.primitive_plane_add(size=2.0)
     bpy.ops.object.camera_add(location=(0.0, 0.0, 5.0))
     scene.camera = bpy.context.object

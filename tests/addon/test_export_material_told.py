@@ -64,7 +64,7 @@ def test_volume_and_what_is_no_displacement_are_told(build):
     """Both are left out."""
     node = build.node("ShaderNodeBsdfDiffuse")
     build.link(build.node("ShaderNodeVolumeScatter").outputs[0], build.output.inputs["Volume"])
-    other = build.node("ShaderNodeWavelength")
+    other = build.node("ShaderNodeShaderToRGB")
     build.link(other.outputs[0], build.output.inputs["Displacement"])
     warnings = only(build.surface(node))[1]
     assert len(warnings) == 2 and "Volume" in warnings[0] and "Displacement" in warnings[1]
@@ -108,7 +108,7 @@ def test_texture_without_image(build):
 
 def test_other_link_leaves_the_value_beneath(build):
     """A node that is not supported: the socket's own value, and a warning."""
-    wave = build.node("ShaderNodeTexIES", "Lamp")
+    wave = build.node("ShaderNodeShaderToRGB", "Lamp")
     node = build.node(
         "ShaderNodeBsdfDiffuse", Color=(0.5, 0.25, 0, 1), links=[("Color", wave.outputs[0])]
     )

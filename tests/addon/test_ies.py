@@ -103,6 +103,22 @@ def test_between_angles_values_are_those_of_cycles():
     np.testing.assert_allclose(found, (19.5, 69.8, 159.7, 352.1), atol=0.2)
 
 
+def test_beside_the_table_values_are_those_of_cycles():
+    """As measured: half a step from either end of vertical angles that begin at 30, and of
+    horizontal ones, of a cubic through what is beyond: the value at the end, or in 4.5 none."""
+    low, high = 10.0, 20.0
+    rises = parse_ies(table([0], [30, 50, 70], [[low, high, low]]))
+    rows = [[value] * 4 for value in (low, high, high, low)]
+    turns = parse_ies(table([0, 120, 240, 360], [0, 60, 120, 180], rows))
+    for dark, beyond in ((False, low), (True, 0.0)):
+        expected = (9.0 * (low + high) - beyond - low) / 16.0  # Catmull-Rom, in the middle
+        found = shines(rises | {"dark_ends": dark}, np.array([40.0, 60.0])) / WATTS
+        np.testing.assert_allclose(found, expected, rtol=1e-4)
+        expected = (9.0 * (low + high) - (0.0 if dark else low) - high) / 16.0
+        found = shines(turns | {"dark_ends": dark}, np.array([90.0]), np.array([60.0])) / WATTS
+        np.testing.assert_allclose(found, expected, rtol=1e-4)
+
+
 def _lit_by(scene, mode="INTERNAL", **fields):
     look_from_above(scene)
     light = bpy.data.lights.new("Lamp data", "POINT")
@@ -122,14 +138,17 @@ def _lit_by(scene, mode="INTERNAL", **fields):
 
 
 def test_a_file_is_read(scene, tmp_path):
-    """By direction, as bright as its table says."""
+    """By direction, as bright as its table says; in 4.5 a cubic through two equal values
+    is up to 1/8 above them where both values beside them are 0, and 2/27 where one is."""
     path = tmp_path / "lamp.ies"
     path.write_text(table([0], [0, 180], [[100, 100]]), encoding="latin-1")
     lamps, lines = _lit_by(scene, "EXTERNAL", filepath=str(path))
     assert not lines and lamps.picture[0, 3] == 1
     whole = lamps.texels * lamps.radiance[0]
     strength = bpy.data.lights[0].energy / (4.0 * np.pi**2) * np.pi
-    np.testing.assert_allclose(whole, 100 * WATTS * strength, rtol=1e-4)
+    relative = whole / (100 * WATTS * strength)
+    highest = 1.0 if bpy.app.version >= (5, 0) else 1.125 * (1.0 + 2.0 / 27.0)
+    np.testing.assert_allclose((relative.min(), relative.max()), (1.0, highest), rtol=1e-3)
 
 
 def test_a_file_that_is_missing_is_told(scene):

@@ -29,6 +29,7 @@ from . import (
     shown_lamp_cases,
     simplify_cases,
     space_cases,
+    spectral_cases,
     subsurface_cases,
     texture_cases,
     toon_cases,
@@ -76,6 +77,7 @@ _FAMILIES = (
     extreme_cases,
     tree_cases,
     space_cases,
+    spectral_cases,
     simplify_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

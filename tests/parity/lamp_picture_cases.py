@@ -64,7 +64,7 @@ def _rim(tree):
     return gradient.outputs["Color"]
 
 
-def _luminaire(horizontal, vertical, value):
+def luminaire(horizontal, vertical, value):
     """An IES texture of a table; value(h, v): candela."""
 
     def color(tree):
@@ -79,15 +79,15 @@ def _luminaire(horizontal, vertical, value):
     return color
 
 
-def _wedges(h, v):
+def wedges(h, v):
     """Candela of a luminaire that shines more to some sides, and in rings."""
     rings = 1.0 + math.cos(math.radians(9.0 * v))
     return 20.0 * rings * (1.5 + math.sin(math.radians(3.0 * h)))
 
 
 _STEPS = tuple(range(0, 91, 10))
-_FULL = _luminaire(range(0, 361, 20), _STEPS, _wedges)
-_QUARTER = _luminaire((0, 30, 60, 90), _STEPS, _wedges)
+_FULL = luminaire(range(0, 361, 20), _STEPS, wedges)
+_QUARTER = luminaire((0, 30, 60, 90), _STEPS, wedges)
 _NOISE = _of("ShaderNodeTexNoise", "Color", scale=4.0)
 _CHECKER = _of("ShaderNodeTexChecker", "Color", "UV", scale=4.0)
 _SCALED_NOISE = _of("ShaderNodeTexNoise", "Color", "UV", scale=4.0)

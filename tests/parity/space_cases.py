@@ -28,6 +28,10 @@ def _blackbody(tree):
     return tree.made("ShaderNodeBlackbody", 0, {"Temperature": tree.axis("X", 1500.0, 9000.0)})
 
 
+def _wavelength(tree):
+    return tree.made("ShaderNodeWavelength", 0, {0: tree.axis("X", 380.0, 780.0)})
+
+
 def _of_bytes(tree):
     """An image in sRGB."""
     image = bpy.data.images.new("B", 4, 4)
@@ -42,6 +46,7 @@ if bpy.app.version >= (5, 0):
         shown(f"RGB to BW in {_space}", _in(_space, _gray))
         shown(f"Color as a number in {_space}", _in(_space, _as_number))
         shown(f"Blackbody in {_space}", _in(_space, _blackbody))
+        shown(f"Wavelength in {_space}", _in(_space, _wavelength))
         shown(f"Image Texture in {_space}", _in(_space, _of_bytes))
     _PREETHAM = {"sky_type": "PREETHAM", "sun_direction": (0.3, -0.4, 0.6), "turbidity": 4.0}
     world("Sky, Preetham, in ACEScg", _in("ACEScg", sky(**_PREETHAM)))
