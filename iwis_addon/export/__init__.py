@@ -20,7 +20,7 @@ asked, light_groups, aovs    passes on request: mist, mattes, ambient occlusion,
                              what nodes write
 bake                         triangles of an object for the texels that Blender wants baked
 measured                     materials with a measured BRDF in place of nodes
-texture_size                 images made smaller by Simplify
+texture_size, smooth_texels  images made smaller by Simplify, or finer for cubic interpolation
 live, late_sky               a window's scene, of which only what has changed is read again, and
                              whose skies are not waited for
 """

@@ -17,6 +17,7 @@ from .image import ImageError
 from .radiance import mend_radiance
 from .seen_tree import name_of
 from .sky import SkyError
+from .smooth_texels import smooth_texels
 from .world_mapping import NotAMatrix, lookup_matrix, own_matrix
 
 _MISSING = np.float32([1.0, 0.0, 1.0])  # Cycles' colour of an image that is not there
@@ -79,8 +80,9 @@ def _environment_texture(builder, node, groups):
     interpolation = LINEAR_SRGB if encoded else LINEAR
     if node.interpolation == "Closest":
         interpolation = CLOSEST
-    elif node.interpolation != "Linear":
-        warn(node, f"{node.interpolation} interpolation is not supported: Linear is used")
+    elif node.interpolation != "Linear":  # Cubic, and Smart, which is the same
+        slot, before = ("smooth", *slot[1:]), rgb
+        rgb = builder.cache.kept(slot, before, lambda: smooth_texels(before, encoded))
     matrix, inputs = _lookup(builder, node, groups)
     environment = EnvironmentMap(
         radiance=rgb,

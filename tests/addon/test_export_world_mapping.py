@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 from mathutils import Euler
 
+from iwis.iwis_addon.export.image import srgb_decode, srgb_encode
+from iwis.iwis_addon.export.smooth_texels import finer, smooth_texels
 from support.world_render import (
     RELATIVE,
     add,
@@ -40,11 +42,35 @@ def test_projection_and_interpolation(scene, tree, texels, tmp_path, projection,
 
 
 @pytest.mark.parametrize("interpolation", ["Cubic", "Smart"])
-def test_smoother_interpolation_is_linear_with_a_warning(tree, texels, interpolation):
+def test_smoother_interpolation_is_a_finer_image(tree, texels, interpolation):
+    """Of which nothing is told."""
     textured_world(tree, new_image(texels), interpolation=interpolation)
     environment, warnings = exported()
-    assert environment.interpolation == "LINEAR"
-    assert len(warnings) == 1 and interpolation in warnings[0]
+    height, width = texels.shape[:2]
+    assert environment.radiance.shape[:2] == (8 * height, 8 * width) and warnings == []
+
+
+@pytest.mark.parametrize("encoded", [False, True])
+def test_a_finer_image_is_the_spline(rng, encoded):
+    """At the middles of finer texels, by the definition: the sum of bells over all texels, which
+    repeat. Wide images are not made wider."""
+
+    def bell(x):
+        x = np.abs(x)
+        inner, outer = 2 / 3 - x * x * (2 - x) / 2, np.maximum(2 - x, 0.0) ** 3 / 6
+        return np.where(x < 1.0, inner, outer)
+
+    rgb = rng.random((3, 5, 3)).astype(np.float32)
+    found = smooth_texels(rgb, encoded)
+    own = srgb_encode(rgb) if encoded else rgb
+    for row, column in ((0, 0), (11, 20), (23, 39), (4, 35)):
+        y, x = (row + 0.5) / 8 - 0.5, (column + 0.5) / 8 - 0.5
+        i, j = np.arange(-6, 9), np.arange(-10, 15)
+        weights = bell(y - i)[:, None] * bell(x - j)
+        expected = np.einsum("ij,ijc->c", weights, own[i % 3][:, j % 5])
+        expected = srgb_decode(expected) if encoded else expected
+        np.testing.assert_allclose(found[row, column], expected, rtol=1e-4)
+    assert [finer(width) for width in (100, 512, 1024, 2048, 4096, 9000)] == [8, 8, 4, 2, 1, 1]
 
 
 @pytest.mark.parametrize("vector_type", ["POINT", "TEXTURE", "VECTOR", "NORMAL"])

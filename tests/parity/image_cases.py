@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from .cases import CASES, Case, shown
+from .cases import CASES, Case, shown, world
 from .scene import picture
 
 
@@ -116,3 +116,20 @@ def _sequence(scene, tree):
 
 
 CASES.append(Case("Image Texture sequence", _sequence))
+
+
+def _sky(interpolation, width, color_space="Non-Color", projection="EQUIRECTANGULAR", **options):
+    def make(tree):
+        image = picture(width=width, height=width // 2, **options)
+        image.colorspace_settings.name = color_space
+        node = tree.node("ShaderNodeTexEnvironment", image=image, interpolation=interpolation)
+        node.projection = projection
+        return node.outputs["Color"]
+
+    return make
+
+
+world("Environment Texture, Cubic", _sky("Cubic", 16, float_buffer=True))
+world("Environment Texture, Smart, sRGB", _sky("Smart", 64, "sRGB"))
+world("Environment Texture, Cubic, mirror ball", _sky("Cubic", 32, projection="MIRROR_BALL"))
+world("Environment Texture, Cubic, wide", _sky("Cubic", 2048, float_buffer=True))
