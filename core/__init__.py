@@ -10,16 +10,17 @@ In the order of the data; a module imports only from groups with a smaller numbe
     microfacet, terminator, exr, embree_rays, lanes, program_ops,
     pace, lamp_areas, lamp_meshes, lamp_falloff, lamp_cones, prefetch, sheen_numbers,
     triangle_pairs, near_meshes, perlin, texels, element_places, oidn, subsurface, walkers,
-    luminance, lambert_kinds, subdivision
+    luminance, lambert_kinds, subdivision, thin_film_tables
     panorama, panorama_places, embree_filter,        2  rays, sparse Haar series, points
     albedo_tables, haar_forest, environment, shading, watch, neighbours, merl,
     glossy_normal, lamp_shapes, lamp_pictures, emitter_tree, sheen, toon, islands,
     closed_meshes, clear_materials, embree_hits, denoise, hair_frame,
-    bump, stretched, lobes, cell_numbers, shapes, gabor, copied_rows, bezier_patches
+    bump, stretched, lobes, cell_numbers, shapes, gabor, copied_rows, bezier_patches,
+    thin_film_seen
     lens, embree, lobes_at, pyramid, haar_product,   3  Embree; light; products
     table_cache, sequence, stop_rule, tile_pool, poses, rough_diffuse,
     voronoi_cells, cryptomatte, light_groups, posed_lamps, view_denoiser, bake_rays,
-    walk_steps, round_points, hair, dicing_view
+    walk_steps, round_points, hair, dicing_view, thin_film
     accel, brdf, lobe_cells, product, tables,        4  the BSDF; light x BSDF; materials
     camera, pixel_filter, cell_lookup, light_cache, light_leaves, trace_lanes,
     sample_plan, sample_order, measured, lobe_setup, embree_instances, hair_cells,
@@ -27,7 +28,7 @@ In the order of the data; a module imports only from groups with a smaller numbe
     incremental, nodes, product_build, warp,         5  the paper's loop; product sampling
     light_rays, paper_tables, light_cells, lamp_rays, pass_rays, moving_accel,
     moved_accel, surface_numbers, near_rays, pixel_motion, random_walk, copied_accel,
-    micropolygons, lamp_choice
+    micropolygons, lamp_choice, thin_film_setup
     cutouts, pass_sums, weigh, guide,                6  what samples bring, and teach; layers
     paper_products, light_tree, backdrop, emission_parts, like_products, closure_columns,
     displacement, lamp_light, moving_copies, patch_values

@@ -21,6 +21,7 @@ from .lobes import (
     DIELECTRIC_LOBE,
     DIFFUSE_LOBE,
     MEASURED_LOBE,
+    THIN_FILM,
 )
 from .lobes_at import lobes_at
 from .merl import eval_measured_at
@@ -39,6 +40,7 @@ from .microfacet import (
     cross,
     dielectric_blend,
     dot_xyz,
+    f82_curve,
     ggx_d,
     ggx_lambda,
     half_vector,
@@ -50,6 +52,7 @@ from .microfacet import (
 from .rough_diffuse import roughened
 from .sheen import pdf_microfiber, sample_microfiber
 from .stretched import pdf_stretched, stretched
+from .thin_film import film_color
 from .toon import is_toon, pdf_toon, sample_toon
 
 _TINY = np.float32(1e-12)
@@ -78,7 +81,10 @@ def eval_at(at, wi_x, wi_y, wi_z):
     elif at.rough[3] <= HAIR:
         return eval_hair(at, wi_x, wi_y, wi_z)
     else:
-        value = eval_lobes_at(at, wi_x, wi_y, wi_z)
+        if at.kind & THIN_FILM:
+            value = eval_filmed_at(at, wi_x, wi_y, wi_z)
+        else:
+            value = eval_lobes_at(at, wi_x, wi_y, wi_z)
         if at.narrow > ZERO:
             value = stretched(at, wi_x, wi_y, wi_z, value)
         if at.rough[3] != ZERO:
@@ -92,8 +98,36 @@ def eval_at(at, wi_x, wi_y, wi_z):
 
 @kernel(forceinline=True)
 def eval_lobes_at(at, wi_x, wi_y, wi_z):
-    """eval_at of a point neither measured, rough, stretched nor bumped: fewer branches."""
+    """eval_at of a point neither measured, rough, stretched, filmed nor bumped: fewer branches."""
     return eval_facets_at(at, at.gaussian, wi_x, wi_y, wi_z)
+
+
+@kernel(forceinline=True)
+def eval_filmed_at(at, wi_x, wi_y, wi_z):
+    """eval_lobes_at of a point whose gloss has a film: at.kind & THIN_FILM."""
+    cos_n = max(dot_xyz(at.normal, wi_x, wi_y, wi_z), ZERO)
+    scale = cos_n * INV_PI
+    dr, dg, db = at.diffuse[0] * scale, at.diffuse[1] * scale, at.diffuse[2] * scale
+    cos_i = dot_xyz(at.glossy_normal, wi_x, wi_y, wi_z)
+    if cos_i <= ZERO or (cos_n <= ZERO and at.bump == ZERO):
+        return dr, dg, db, ZERO, ZERO, ZERO
+    scale, cos_h = _facet_light(at, at.gaussian, cos_i, wi_x, wi_y, wi_z)
+    dielectric = at.dielectric_weight, at.dielectric_f0, at.fresnel
+    conductor = at.conductor_weight, at.conductor_f0, at.edge
+    r, g, b = film_color(at.kind, at.tint, dielectric, conductor, cos_h)
+    return dr, dg, db, r * scale, g * scale, b * scale
+
+
+@kernel(forceinline=True)
+def _facet_light(at, gaussian, cos_i, wi_x, wi_y, wi_z):
+    """(the BRDF times the cosine of wi of facets that reflect all, wo . h)."""
+    sin2, _, cos_h = _half_angles(at, wi_x, wi_y, wi_z)
+    alpha2 = at.alpha * at.alpha
+    if gaussian:
+        density, hidden = beckmann_d(alpha2, sin2), beckmann_lambda(alpha2, cos_i)
+    else:
+        density, hidden = ggx_d(alpha2, sin2), ggx_lambda(alpha2, cos_i)
+    return density / (FOUR * at.cos_o * (at.seen + hidden)), cos_h
 
 
 @kernel(forceinline=True)
@@ -108,13 +142,7 @@ def eval_facets_at(at, gaussian, wi_x, wi_y, wi_z):
     # A map may turn the normal so far that gloss, whose normal is turned back, lies below it.
     if cos_i <= ZERO or (cos_n <= ZERO and at.bump == ZERO):
         return dr, dg, db, ZERO, ZERO, ZERO
-    sin2, _, cos_h = _half_angles(at, wi_x, wi_y, wi_z)
-    alpha2 = at.alpha * at.alpha
-    if gaussian:
-        density, hidden = beckmann_d(alpha2, sin2), beckmann_lambda(alpha2, cos_i)
-    else:
-        density, hidden = ggx_d(alpha2, sin2), ggx_lambda(alpha2, cos_i)
-    scale = density / (FOUR * at.cos_o * (at.seen + hidden))
+    scale, cos_h = _facet_light(at, gaussian, cos_i, wi_x, wi_y, wi_z)
     gr = gg = gb = ZERO
     if at.kind & DIELECTRIC_LOBE:
         w, f0 = at.dielectric_weight, at.dielectric_f0
@@ -126,15 +154,10 @@ def eval_facets_at(at, gaussian, wi_x, wi_y, wi_z):
         w, f0, edge = at.conductor_weight, at.conductor_f0, at.edge
         s = schlick_weight(cos_h)
         t = cos_h * s * (ONE - cos_h)
-        gr += w[0] * _metal(f0[0], edge[0], s, t)
-        gg += w[1] * _metal(f0[1], edge[1], s, t)
-        gb += w[2] * _metal(f0[2], edge[2], s, t)
+        gr += w[0] * f82_curve(f0[0], edge[0], s, t)
+        gg += w[1] * f82_curve(f0[1], edge[1], s, t)
+        gb += w[2] * f82_curve(f0[2], edge[2], s, t)
     return dr, dg, db, gr * scale, gg * scale, gb * scale
-
-
-@kernel(forceinline=True)
-def _metal(f0, edge, s, t):
-    return min(max(f0 + (ONE - f0) * s - edge * t, ZERO), ONE)
 
 
 @kernel(forceinline=True)

@@ -10,7 +10,7 @@ from .bump import turns
 from .hair import ALL_ROUND, LAMPS_ALONE
 from .hair_setup import HairValues, set_hair, set_starts
 from .lobe_setup import setup_lobes
-from .lobes import Lobes, darken_matte
+from .lobes import THIN_FILM, Lobes, darken_matte
 from .nodes.values import dot
 from .round_points import beyond, circles, is_round, normals_of_strands
 from .rows import any_in_row, rows_of
@@ -28,6 +28,7 @@ from .shading import ShadingPoints, params_at
 from .sheen import set_sheen
 from .stretched import mean_roughness, stretch_lobes
 from .subsurface import Media
+from .thin_film_setup import FilmValues, set_film
 from .toon import set_toon
 
 _FACTORS = (SHEEN, VELVET_SHEEN, TOON, GLOSSY_TOON)  # models that change a Lambert lobe's shape
@@ -40,7 +41,7 @@ class ClosureValues(NamedTuple):
     is the surface's own, or None; params: column of MaterialParams -> values at the points; grain:
     float32 (m, 3), as Closure.grain, or None; matte: float32 (m, 3), factor of its Lambert lobe, or
     None; media: what that lobe's light comes out of, and nothing else is there; or None; hair: what
-    that lobe is, or None
+    that lobe is, or None; film: what is on its gloss, or None
     """
 
     closure: tuple
@@ -54,6 +55,7 @@ class ClosureValues(NamedTuple):
     matte: np.ndarray | None = None
     media: Media | None = None
     hair: HairValues | None = None
+    film: FilmValues | None = None
 
     def at(self, some) -> ClosureValues:
         which, weight, *values = rows_of((self.which, self.weight, *self.params.values()), some)
@@ -65,7 +67,7 @@ class ClosureValues(NamedTuple):
         }
         own = {
             name: values.at(some)
-            for name in ("media", "hair")
+            for name in ("media", "hair", "film")
             if (values := getattr(self, name)) is not None
         }
         return self._replace(which=which, weight=weight, params=params, **vectors, **own)
@@ -88,6 +90,7 @@ class Columns:
         self._behind = np.zeros(len(points.pixel), np.bool_)  # TRANSLUCENT
         self._matte: np.ndarray | None = None
         self._hair: list[tuple[np.ndarray, HairValues]] = []
+        self._films: list[tuple[np.ndarray, FilmValues]] = []
 
     def write(self, layer: ClosureValues, rows: np.ndarray) -> None:
         """Give rows the layer's closure."""
@@ -109,6 +112,8 @@ class Columns:
             self._matte[rows] = layer.matte
         if layer.hair is not None:
             self._hair.append((rows, layer.hair))
+        if layer.film is not None:
+            self._films.append((rows, layer.film))
         if layer.normal is not None:
             self._maps_normals = True
             kept = any_in_row(layer.normal)
@@ -166,6 +171,8 @@ class Columns:
             params = params._replace(roughness=mean_roughness(params.roughness, self._grain))
         own = params, self.normal, points.geometric_normal, points.wo
         lobes = setup_lobes(*own, self._scene.measured, self._as_turned)
+        for rows, film in self._films:
+            set_film(lobes, params, rows, film)
         if self._maps_normals:  # below the surface: lit by what no light comes from, as in Cycles
             lobes.diffuse[dot(points.normal, lobes.normal) < 0.0] = 0.0
         if self._matte is not None:
@@ -180,9 +187,10 @@ class Columns:
             lobes = lobes._replace(smooth=points.normal, bump=bump)
         if (weight == 1.0).all():
             return lobes
+        filmed = (lobes.kind & THIN_FILM) != 0  # whose numbers stand there
         return lobes._replace(
             diffuse=lobes.diffuse * weight,
             glossy_color=lobes.glossy_color * weight,
             weight=lobes.weight * weight[:, None],
-            tint=lobes.tint * weight,
+            tint=np.where(filmed[:, None], lobes.tint, lobes.tint * weight),
         )

@@ -14,9 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import kernel
+from .lobes import THIN_FILM
 from .luminance import luminance
 from .microfacet import HALF, ONE, QUARTER, ZERO, cross, dot
 from .sphere_map import CELL_REACH
+from .thin_film import film_color_of
 
 _TINY = np.float32(1e-6)
 _REACH = np.float32(CELL_REACH)  # how far the corners of a cell are, in radii of its disc
@@ -74,6 +76,24 @@ def lambert_at(lobes, p, turned):
     return CellLambert(over_pi, normal[p, 0], normal[p, 1], normal[p, 2], turned)
 
 
+@kernel
+def _film_luminance(lobes, p, cosine):
+    r, g, b = film_color_of(lobes, p, cosine)
+    return luminance(r, g, b)
+
+
+@kernel
+def _under_film(lobes, p, grazing):
+    """CellGloss.head_on under a film, whose colors go up and down with the angle: by what it
+    mirrors of wo, and never far below what it does elsewhere."""
+    cosine = min(max(lobes.cos_o[p], ZERO), ONE)
+    elsewhere = _film_luminance(lobes, p, ONE) + _film_luminance(lobes, p, HALF)
+    miss = ONE - cosine
+    bent = miss * miss * miss * miss * miss
+    own = (_film_luminance(lobes, p, cosine) - grazing * bent) / max(ONE - bent, _CORNER)
+    return max(own, QUARTER * elsewhere)
+
+
 @kernel(forceinline=True)
 def gloss_at(lobes, p, turned):
     """Row p of lobes."""
@@ -90,6 +110,8 @@ def gloss_at(lobes, p, turned):
         w, f0 = lobes.weight[p, curve], lobes.f0[p, curve]
         head_on += luminance(w[0] * f0[0], w[1] * f0[1], w[2] * f0[2])
         grazing += luminance(w[0], w[1], w[2])
+    if lobes.kind[p] & THIN_FILM:
+        head_on = _under_film(lobes, p, grazing)
     alpha2 = in_plane = across = lobes.alpha[p] * lobes.alpha[p]
     mixed = ZERO
     if lobes.narrow[p] > ZERO:

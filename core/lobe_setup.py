@@ -60,7 +60,8 @@ from .scene import (
     MeasuredBrdfs,
 )
 
-_CUTOFF = np.float32(1e-5)  # Cycles leaves out metal that weighs less
+METAL_CUTOFF = np.float32(1e-5)  # Cycles leaves out metal that weighs less
+_LEAST_IOR = np.float32(1e-5)
 
 
 def setup_lobes(
@@ -118,7 +119,7 @@ def _setup(params, normal, geometric_normal, wo, as_turned, tables, fits, out):
             _add_measured(params, p, fits, out)
         if model == DIFFUSE or model == PRINCIPLED:
             set_rough(params, p, dot(out.normal[p], wo[p]), out)
-        _set_kind(p, out)
+        set_kind(p, out)
         if model == MEASURED and out.kind[p] != 0 and out.cos_o[p] > ZERO:
             out.kind[p] |= MEASURED_LOBE
 
@@ -148,7 +149,7 @@ def _set_width(alpha, distribution, p, out):
 
 
 @kernel
-def _albedos(params, p, tables, cos_o):
+def facet_albedos(params, p, tables, cos_o):
     """Share of light that leaves at the first facet, for this wo and on average; 1, 1 if all."""
     if params.distribution[p] != MULTI_GGX:
         return ONE, ONE
@@ -157,7 +158,7 @@ def _albedos(params, p, tables, cos_o):
 
 
 @kernel(forceinline=True)
-def _gain(albedo, mean_albedo, fresnel_mean):
+def later_gain(albedo, mean_albedo, fresnel_mean):
     """The factor that brings the later bounces between facets back [Kulla17]."""
     later = fresnel_mean * mean_albedo / (ONE - fresnel_mean * (ONE - mean_albedo))
     return ONE + later * (ONE - albedo) / albedo
@@ -167,15 +168,15 @@ def _gain(albedo, mean_albedo, fresnel_mean):
 def _add_metal(params, p, tables, out):
     """Write the metal's curve; what it leaves over of the light is returned."""
     metallic = _clip(params.metallic[p])
-    if metallic <= _CUTOFF:
+    if metallic <= METAL_CUTOFF:
         return ONE
     cos_o = out.cos_o[p]
-    albedo, mean_albedo = _albedos(params, p, tables, cos_o)
+    albedo, mean_albedo = facet_albedos(params, p, tables, cos_o)
     blend = read_2d(tables.metal, cos_o, _clip(params.roughness[p]))
     for c in range(3):
         f0 = _clip(params.base_color[p, c])
         edge = f82_edge(f0, _clip(params.specular_tint[p, c]))
-        gain = _gain(albedo, mean_albedo, f82_mean(f0, edge))
+        gain = later_gain(albedo, mean_albedo, f82_mean(f0, edge))
         out.f0[p, CONDUCTOR, c] = f0
         out.edge[p, c] = edge
         out.weight[p, CONDUCTOR, c] = metallic * gain
@@ -186,7 +187,7 @@ def _add_metal(params, p, tables, out):
 @kernel
 def _dielectric_index(params, p):
     """Index of refraction, and reflectance along the normal: the specular level is in both."""
-    eta = max(params.ior[p], _CUTOFF)
+    eta = max(params.ior[p], _LEAST_IOR)
     f0 = f0_of_ior(eta)
     level = max(params.specular_level[p], ZERO)
     if level != HALF:
@@ -203,7 +204,7 @@ def _add_dielectric(params, p, rest, tables, out):
     layer = ZERO  # of the light, the share that does not pass: that of the most reflective channel
     if eta != ONE:
         cos_o = out.cos_o[p]
-        albedo, mean_albedo = _albedos(params, p, tables, cos_o)
+        albedo, mean_albedo = facet_albedos(params, p, tables, cos_o)
         f0_real = f0_of_ior(eta)
         index = math.sqrt(abs((eta - ONE) / (eta + ONE)))
         blend = read_3d(tables.dielectric, index, cos_o, _clip(params.roughness[p]))
@@ -213,7 +214,7 @@ def _add_dielectric(params, p, rest, tables, out):
         out.fresnel[p, 2] = ONE / (ONE - f0_real)
         for c in range(3):
             f0_c = _clip(f0 * max(params.specular_tint[p, c], ZERO))
-            gain = _gain(albedo, mean_albedo, f0_c + (ONE - f0_c) * blend_mean)
+            gain = later_gain(albedo, mean_albedo, f0_c + (ONE - f0_c) * blend_mean)
             color = gain * albedo * (f0_c + (ONE - f0_c) * blend)
             out.f0[p, DIELECTRIC, c] = f0_c
             out.weight[p, DIELECTRIC, c] = rest * gain
@@ -226,10 +227,10 @@ def _add_dielectric(params, p, rest, tables, out):
 @kernel
 def _add_mirror(params, p, tables, out):
     """Write a curve that reflects all, times the color: the Glossy BSDF."""
-    albedo, mean_albedo = _albedos(params, p, tables, out.cos_o[p])
+    albedo, mean_albedo = facet_albedos(params, p, tables, out.cos_o[p])
     for c in range(3):
         color = max(params.base_color[p, c], ZERO)
-        gain = _gain(albedo, mean_albedo, color)
+        gain = later_gain(albedo, mean_albedo, color)
         out.f0[p, CONDUCTOR, c] = ONE
         out.weight[p, CONDUCTOR, c] = color * gain
         out.glossy_color[p, c] = color * gain * albedo
@@ -261,7 +262,7 @@ def _add_measured(params, p, fits, out):
 
 
 @kernel
-def _set_kind(p, out):
+def set_kind(p, out):
     """Write which lobes are there, and how often each is sampled: by what it reflects in all."""
     kind = 0
     if max(out.diffuse[p, 0], out.diffuse[p, 1], out.diffuse[p, 2]) > ZERO:

@@ -12,7 +12,7 @@ import numpy as np
 from .rows import any_in_row, rows_of
 
 # Bits of Lobes.kind
-DIFFUSE_LOBE, DIELECTRIC_LOBE, CONDUCTOR_LOBE, MEASURED_LOBE = 1, 2, 4, 8
+DIFFUSE_LOBE, DIELECTRIC_LOBE, CONDUCTOR_LOBE, MEASURED_LOBE, THIN_FILM = 1, 2, 4, 8, 16
 # Rows of Lobes.weight and Lobes.f0
 DIELECTRIC, CONDUCTOR = 0, 1
 
@@ -27,7 +27,8 @@ class Lobes(NamedTuple):
     wo, and only say where samples go, and how the light is shared among the passes.
 
     kind: int8 (n,), which lobes there are: DIFFUSE_LOBE | DIELECTRIC_LOBE | CONDUCTOR_LOBE, and
-        MEASURED_LOBE where a table has the value
+        MEASURED_LOBE where a table has the value; THIN_FILM: on the gloss, of which tint says
+        what film, and which has other curves (thin_film.py)
     distribution: int8 (n,), GGX, MULTI_GGX (the same D and Lambda) or BECKMANN
     alpha: float32 (n,), width of D; narrow: float32 (n,), its width across ``tangent``, float32
         (n, 3), unit, along which it is alpha; 0 = it is round (stretched.py)

@@ -138,6 +138,12 @@ def schlick_weight(cos_theta):
 
 
 @kernel(forceinline=True)
+def f82_curve(f0, edge, s, t):
+    """The reflectance of a metal [Kutz21]; s: schlick_weight(cos); t: cos (1 - cos)^6."""
+    return min(max(f0 + (ONE - f0) * s - edge * t, ZERO), ONE)
+
+
+@kernel(forceinline=True)
 def f82_edge(f0, tint):
     """The factor of cos (1 - cos)^6 that scales Schlick's curve by ``tint`` at cos = 1/7."""
     return (f0 + (ONE - f0) * F82_SCHLICK) * F82_FACTOR * (ONE - tint)

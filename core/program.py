@@ -73,6 +73,20 @@ class Hair(NamedTuple):
     offset: Value
 
 
+class ThinFilm(NamedTuple):
+    """A thin film on a PRINCIPLED closure (core/thin_film.py).
+
+    thickness: nm; ior: its index; space: of core/thin_film_tables.py, how its colors are seen
+    index, extinction: colours, of a metal that is given by these; None: by its own colours
+    """
+
+    thickness: Value
+    ior: Value
+    space: int
+    index: Value | None = None
+    extinction: Value | None = None
+
+
 class Closure(NamedTuple):
     """One BSDF of a mixture.
 
@@ -85,6 +99,7 @@ class Closure(NamedTuple):
     grain: a vector along the facets' tangent, as long as the root of alpha_x / alpha_y; None: round
     subsurface: None: light leaves where it has come in
     hair: of what a DIFFUSE closure has in front, a TRANSLUCENT one behind; None: it is no strand
+    film: None: there is none
     """
 
     model: int
@@ -95,6 +110,7 @@ class Closure(NamedTuple):
     grain: Value | None = None
     subsurface: Subsurface | None = None
     hair: Hair | None = None
+    film: ThinFilm | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -242,6 +258,11 @@ class Shaders:
     def scatters(self) -> bool:
         """Whether light leaves any surface elsewhere than it came in."""
         return any(closure.subsurface is not None for closure in self._closures())
+
+    @property
+    def has_films(self) -> bool:
+        """Whether any closure has a thin film."""
+        return any(closure.film is not None for closure in self._closures())
 
     def has_model(self, *models: int) -> bool:
         """Whether any closure has one of these models."""

@@ -78,6 +78,8 @@ def _as_settings_show(scene: Scene, settings: RenderSettings, warnings: list[str
         warnings.append("Mode PAPER shows textures and mixtures by one mean value a material")
         if scene.shaders.has_model(TOON, GLOSSY_TOON):
             warnings.append("Mode PAPER shows Toon BSDFs as Diffuse and Glossy BSDFs")
+        if scene.shaders.has_films:
+            warnings.append("Mode PAPER leaves out thin films")
         scene = dataclasses.replace(scene, shaders=None)
     if settings.pixel_filter == "CENTER" and (
         scene.camera.lens or scene.camera.motion or scene.motion

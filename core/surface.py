@@ -16,12 +16,13 @@ from .hair_setup import HairValues
 from .lobes import Lobes, matte_alone
 from .nodes import Evaluation, ShadeContext, surface_evaluation
 from .poses import points_at_rest, posed_normals
-from .program import Hair, Program, Subsurface
+from .program import Hair, Program, Subsurface, ThinFilm
 from .round_points import is_round
 from .rows import any_in_row, row_means
 from .scene import DIFFUSE, GGX, TRANSLUCENT, Scene
 from .shading import ShadingPoints
 from .subsurface import Media, walked
+from .thin_film_setup import FilmValues
 
 _VECTORS = ("base_color", "specular_tint")  # columns of MaterialParams
 _NOWHERE = np.zeros(1, np.bool_)
@@ -192,6 +193,8 @@ def _evaluate(
         layer = _layer(program, closure, evaluation, which, weight, turned)
         if closure.hair is not None and not whole:
             layer = layer._replace(hair=_hair_values(closure.hair, evaluation, turned, len(which)))
+        if closure.film is not None:
+            layer = layer._replace(film=_film_values(closure.film, evaluation, len(which)))
         split = closure.subsurface is not None and not whole
         layers += _split(closure.subsurface, evaluation, layer) if split else [layer]
     glow = 0.0 if program.emission is None else evaluation.vector(program.emission) * opaque
@@ -226,6 +229,14 @@ def _hair_values(hair: Hair, evaluation: Evaluation, turned, n: int) -> HairValu
     tangent, absorption = (each(evaluation.vector(v), (3,)) for v in hair[1:3])
     numbers = (each(evaluation.number(value)) for value in hair[3:])
     return HairValues(hair.model, turned(tangent), absorption, *numbers)
+
+
+def _film_values(film: ThinFilm, evaluation: Evaluation, n: int) -> FilmValues:
+    thickness, ior = (np.broadcast_to(evaluation.number(v), (n,)) for v in film[:2])
+    metal = (None, None)
+    if film.index is not None:
+        metal = (np.broadcast_to(evaluation.vector(v), (n, 3)) for v in film[3:])
+    return FilmValues(film.space, np.float32(thickness), np.float32(ior), *metal)
 
 
 def _split(under: Subsurface, evaluation: Evaluation, layer: ClosureValues) -> list[ClosureValues]:

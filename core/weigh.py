@@ -9,7 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel
-from .brdf import eval_facets_at, eval_lobes_at, pdf_facets_at, pdf_narrowest_at, pdf_round_at
+from .brdf import (
+    eval_facets_at,
+    eval_filmed_at,
+    eval_lobes_at,
+    pdf_facets_at,
+    pdf_narrowest_at,
+    pdf_round_at,
+)
 from .bump import bump_gain
 from .environment import eval_map
 from .hair import ALL_ROUND, chiang_at, eval_strand, ray_start
@@ -17,7 +24,7 @@ from .hair_samples import pdf_strand, shares_of
 from .lambert_kinds import CHIANG, HAIR, TRANSLUCENT_ROUND
 from .lanes import BLUE, DIFFUSE, DX, DY, DZ, GLOSSY, GREEN, LANES, OX, OY, OZ, PDF, RED, U, V
 from .light_rays import is_lifted
-from .lobes import DIFFUSE_LOBE, MEASURED_LOBE
+from .lobes import DIFFUSE_LOBE, MEASURED_LOBE, THIN_FILM
 from .lobes_at import lobes_at
 from .merl import eval_measured_at
 from .microfacet import INV_PI
@@ -180,6 +187,20 @@ def _weigh_stretched(at, share, numbers, s, end):
         _write_light(numbers, k, pdf, value)
 
 
+@kernel
+def _weigh_filmed(at, share, numbers, s, end):
+    """The same for a point whose gloss has a film, stretched or not, and any Lambert lobe."""
+    for k in range(s, end):
+        wx, wy, wz = numbers[DX + k], numbers[DY + k], numbers[DZ + k]
+        pdf = share * pdf_narrowest_at(at, wx, wy, wz) + (_ONE - share) * numbers[PDF + k]
+        value = eval_filmed_at(at, wx, wy, wz)
+        if at.narrow > _ZERO:
+            value = stretched(at, wx, wy, wz, value)
+        if at.rough[3] != _ZERO:
+            value = roughened(at, wx, wy, wz, value)
+        _write_light(numbers, k, pdf, value)
+
+
 @kernel(forceinline=True)
 def _weigh_run(task, share, p, lanes, s, end):
     """weigh_lanes for lanes s ... end - 1, all of point p."""
@@ -188,7 +209,9 @@ def _weigh_run(task, share, p, lanes, s, end):
         _start_rays(task.points, p, task.offset, lanes.numbers, s, end)
     if task.points.lift_below[p] > _ZERO:
         _lift_rays(task, at, p, lanes, s, end)
-    if at.narrow > _ZERO:
+    if at.kind & THIN_FILM:
+        _weigh_filmed(at, share, lanes.numbers, s, end)
+    elif at.narrow > _ZERO:
         _weigh_stretched(at, share, lanes.numbers, s, end)
     elif at.rough[3] <= HAIR:
         own = task.points.position

@@ -49,6 +49,7 @@ MAY_IMPORT_OF_CORE = {
         "program_ops",
         "subdivision",
         "subsurface",
+        "thin_film_tables",
         "nodes",
         "nodes/color",
         "nodes/falloff",

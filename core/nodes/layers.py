@@ -11,8 +11,11 @@ from .values import as_number, as_vector, column, dot, normalized
 _LEAST_IOR = np.float32(1.0)
 
 
-def _albedo(context, distribution, ior, roughness, normal, wo=None) -> np.ndarray:
-    """float32 (n,): of all light, what a clear layer reflects to the viewer, or to wo."""
+def _albedo(context, distribution, ior, roughness, normal, wo=None, film=None) -> np.ndarray:
+    """float32 (n,): of all light, what a clear layer reflects to the viewer, or to wo.
+
+    film: (space, thickness, ior) of a ThinFilm on it
+    """
     from ..lobe_setup import setup_lobes  # kernels: the exporters load without numba
 
     n = len(context)
@@ -31,6 +34,10 @@ def _albedo(context, distribution, ior, roughness, normal, wo=None) -> np.ndarra
     )
     wo = context.wo if wo is None else wo
     lobes = setup_lobes(coat, normal, context.geometric_normal, wo)
+    if film is not None:
+        from ..thin_film_setup import FilmValues, set_film  # kernels too
+
+        set_film(lobes, coat, np.arange(n), FilmValues(*film, None, None))
     return row_maxima(lobes.glossy_color)
 
 
@@ -74,14 +81,19 @@ def through_glass(context, settings, inputs):
     "reflected": the factor of a clear layer's closure; "": the rest of Weight, times Tint. The
     camera sees more of the reflection at grazing angles. A shadow ray is told the share of a ray
     along the normal: so the answer is a matter of the place alone (program_ops.py). From inside
-    there is no reflection: what would be seen there is the inside of the same body.
+    there is no reflection: what would be seen there is the inside of the same body. Thickness, Film
+    IOR and the setting space are those of a ThinFilm, where there is one.
     """
     n = len(context)
     weight, tint = (as_vector(inputs[name], n) for name in ("Weight", "Tint"))
     ior, roughness = as_number(inputs["IOR"], n), as_number(inputs["Roughness"], n)
     normal = as_vector(inputs.get("Normal", context.normal), n)
     wo = context.geometric_normal if context.shadow else None
-    left = np.clip(1.0 - _albedo(context, GGX, ior, roughness, normal, wo), 0.0, 1.0)
+    film = None
+    if "Thickness" in inputs:
+        own = (as_number(inputs[name], n) for name in ("Thickness", "Film IOR"))
+        film = (settings["space"], *own)
+    left = np.clip(1.0 - _albedo(context, GGX, ior, roughness, normal, wo, film), 0.0, 1.0)
     inside = np.float32(0.0)
     if not context.shadow:
         inside = np.float32(context.backfacing)

@@ -43,18 +43,18 @@ class ClearShaders(SurfaceBuilder):
 
     def _glass(self, node, groups, weight):
         self._warn(node, f"{node.bl_label}: {_STRAIGHT}")
-        self._ignored(node, groups, "Thin Film Thickness", 0.0, "rendered without thin film")
         weight = self._times(weight, self._builder.color(node, "Color", groups))
         number = self._builder.number
         own = {"ior": number(node, "IOR", groups), "roughness": number(node, "Roughness", groups)}
         own["specular_tint"] = WHITE
-        self._pane(node, groups, weight, WHITE, self._distribution(node), **own)
+        film = self._film(node, groups)
+        self._pane(node, groups, weight, WHITE, self._distribution(node), film, **own)
 
     def _refraction(self, node, groups, weight):
         self._warn(node, f"{node.bl_label}: {_STRAIGHT}")
         self._passes(node, groups, weight)
 
-    def _transmission(self, node, groups, weight, params, grain):
+    def _transmission(self, node, groups, weight, params, grain, film):
         """Add what of Principled is glass; what is left of a weight for the rest.
 
         grain: of its metal; glass reflects as if it were round
@@ -69,22 +69,27 @@ class ClearShaders(SurfaceBuilder):
         if not (is_constant(metallic) and metallic <= 0.0):
             clear, metal = self._shares(clear, metallic)
             own = params | {"metallic": ONE}
-            self._close(node, groups, metal, PRINCIPLED, distribution, grain, **own)
+            self._close(node, groups, metal, PRINCIPLED, distribution, grain, film, **own)
         # Of the base color a ray takes the root at each of the two surfaces that it goes through.
         gamma = {"Color": params["base_color"], "Gamma": np.float32(0.5)}
         tint = self._builder.run("ShaderNodeGamma", "Color", **gamma)
         own = {name: params[name] for name in ("roughness", "ior", "specular_tint")}
-        self._pane(node, groups, clear, tint, distribution, **own)
+        self._pane(node, groups, clear, tint, distribution, film, **own)
         return rest
 
-    def _pane(self, node, groups, weight, tint, distribution, **params):
+    def _pane(self, node, groups, weight, tint, distribution, film, **params):
         """Add a surface of glass: its reflection, and the rest, which goes straight through."""
-        inputs = {"Weight": weight, "Tint": tint}
+        inputs, settings = {"Weight": weight, "Tint": tint}, {}
+        if film is not None:
+            inputs |= {"Thickness": film.thickness, "Film IOR": film.ior}
+            settings["space"] = film.space
         inputs |= {"IOR": params["ior"], "Roughness": params["roughness"]}
         normal = self._builder.normal(node, "Normal", groups)
         if normal is not None:
             inputs["Normal"] = normal
-        through, reflected = self._builder.run_at_points("through_glass", "", "reflected", **inputs)
+        through, reflected = self._builder.run_at_points(
+            "through_glass", "", "reflected", settings=settings, **inputs
+        )
         self.parts.transparent.append(through)
         params |= {"base_color": BLACK, "metallic": ZERO, "specular_level": np.float32(0.5)}
-        self._close(node, groups, reflected, PRINCIPLED, distribution, **params)
+        self._close(node, groups, reflected, PRINCIPLED, distribution, film=film, **params)

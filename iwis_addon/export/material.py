@@ -231,8 +231,8 @@ def _is_row(closures, emission) -> bool:
     if not closures:
         return True
     closure = closures[0]
-    more = (closure.normal, closure.grain, closure.subsurface, closure.hair)
-    if len(closures) > 1 or more != (None,) * 4 or closure.model in _OF_CLOSURES:
+    more = (closure.normal, closure.grain, closure.subsurface, closure.hair, closure.film)
+    if len(closures) > 1 or more != (None,) * 5 or closure.model in _OF_CLOSURES:
         return False
     whole = is_constant(closure.weight) and np.all(np.minimum(closure.weight, 1.0) == 1.0)
     return bool(whole) and all(map(is_constant, closure.params.values()))

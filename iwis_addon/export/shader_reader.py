@@ -27,7 +27,6 @@ from .surface_parts import BLACK, DISTRIBUTIONS, ONE, WHITE, ZERO, is_constant
 # Principled's inputs that are left out, unless they stand at the value where they do nothing.
 _PRINCIPLED_IGNORES = {
     "Thin Wall": (0.0, "the surface is solid"),
-    "Thin Film Thickness": (0.0, "rendered without thin film"),
 }
 # Shaders that show nothing themselves, or a part of their weight alone.
 _WITHOUT_WEIGHT = {
@@ -86,9 +85,10 @@ class ShaderReader(HairShaders):
             glow = self._builder.scaled(color(node, "Emission Color", groups), strength)
             self.parts.emission.append(self._times(weight, glow))
         grain = self._grain(node, groups, ("Anisotropic", "Anisotropic Rotation"))
-        weight = self._transmission(node, groups, weight, params, grain)
+        film = self._film(node, groups)
+        weight = self._transmission(node, groups, weight, params, grain, film)
         distribution = DISTRIBUTIONS[node.distribution]
-        self._close(node, groups, weight, PRINCIPLED, distribution, grain, **params)
+        self._close(node, groups, weight, PRINCIPLED, distribution, grain, film, **params)
         self._scatter_under(node, groups)
 
     def _sheen_layer(self, node, groups, weight):
@@ -164,11 +164,12 @@ class ShaderReader(HairShaders):
     def _metallic(self, node, groups, weight):
         """A Principled of metallic 1 is the same, but for a conductor given by its two indices."""
         color = self._builder.color
-        self._ignored(node, groups, "Thin Film Thickness", 0.0, "left out")
+        indices = ()
         if node.fresnel_type == "F82":
             base, tint = color(node, "Base Color", groups), color(node, "Edge Tint", groups)
         else:
-            inputs = {name: color(node, name, groups) for name in ("IOR", "Extinction")}
+            indices = ("IOR", "Extinction")
+            inputs = {name: color(node, name, groups) for name in indices}
             inputs["settings"] = {"approximated": bpy.app.version < (5, 0)}  # as Cycles
             names = ("Base Color", "Edge Tint")
             base, tint = (self._builder.run("conductor", name, **inputs) for name in names)
@@ -178,8 +179,9 @@ class ShaderReader(HairShaders):
             "roughness": self._builder.number(node, "Roughness", groups),
             "specular_tint": tint,
         }
-        grain = self._grain(node, groups)
-        self._close(node, groups, weight, PRINCIPLED, self._distribution(node), grain, **params)
+        grain, film = self._grain(node, groups), self._film(node, groups, indices)
+        distribution = self._distribution(node)
+        self._close(node, groups, weight, PRINCIPLED, distribution, grain, film, **params)
 
     def _emission(self, node, groups, weight):
         strength = self._builder.number(node, "Strength", groups)

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import bpy
 import numpy as np
 
-from ...core.program import Closure, Ref, Value
+from ...core.program import Closure, Ref, ThinFilm, Value
 from ...core.scene import BECKMANN, DIFFUSE, GGX, MULTI_GGX
+from ...core.thin_film_tables import GAUSSIANS, film_space
+from .image import working_space
 from .program_builder import ProgramBuilder
 
 DISTRIBUTIONS = {"GGX": GGX, "MULTI_GGX": MULTI_GGX, "BECKMANN": BECKMANN}
 WHITE, BLACK = np.ones(3, np.float32), np.zeros(3, np.float32)
 ONE, ZERO = np.float32(1.0), np.float32(0.0)
+_THINNEST = 0.1  # nm; below it Cycles sees no film
 
 
 def is_constant(value, number=None) -> bool:
@@ -69,10 +73,26 @@ class SurfaceBuilder:
             for second in (False, True)
         ]
 
-    def _close(self, node, groups, weight, model, distribution=GGX, grain=None, **params):
+    def _close(
+        self, node, groups, weight, model, distribution=GGX, grain=None, film=None, **params
+    ):
         """Add a closure with the node's own normal."""
         normal = self._builder.normal(node, "Normal", groups)
-        self.parts.closures.append(Closure(model, distribution, weight, params, normal, grain))
+        closure = Closure(model, distribution, weight, params, normal, grain, film=film)
+        self.parts.closures.append(closure)
+
+    def _film(self, node, groups, indices=()) -> ThinFilm | None:
+        """Closure.film of a node; indices: names of its inputs that say what metal is under it."""
+        name = "Thin Film Thickness"
+        if name not in node.inputs:  # Metallic BSDFs before Blender 5
+            return None
+        thickness = self._builder.number(node, name, groups)
+        if is_constant(thickness) and not thickness > _THINNEST:
+            return None
+        ior = self._builder.number(node, "Thin Film IOR", groups)
+        metal = [self._builder.color(node, index, groups) for index in indices]
+        space = GAUSSIANS if bpy.app.version < (5, 0) else film_space(working_space())
+        return ThinFilm(thickness, ior, space, *metal)
 
     def _grain(self, node, groups, names=("Anisotropy", "Rotation"), model="ASPECT"):
         """Closure.grain of a node with inputs of these names; model: of nodes.layers.grain."""

@@ -42,7 +42,7 @@ def test_material_warnings_name_the_objects(cube_scene):
     material = bpy.data.materials.new("Skin")
     if bpy.app.version < (5, 0):
         material.use_nodes = True
-    material.node_tree.nodes["Principled BSDF"].inputs["Thin Film Thickness"].default_value = 100.0
+    material.node_tree.nodes["Principled BSDF"].inputs["Transmission Weight"].default_value = 1.0
     for obj in (plane, cube):
         obj.data.materials.append(material)
     warnings = []

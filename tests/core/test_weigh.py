@@ -7,9 +7,11 @@ from iwis.core.scene import DIFFUSE, PRINCIPLED
 from iwis.core.shading import ShadingPoints
 from iwis.core.sheen import set_sheen
 from iwis.core.stretched import mean_roughness, stretch_lobes
+from iwis.core.thin_film_setup import FilmValues, set_film
+from iwis.core.thin_film_tables import REC709
 from iwis.core.toon import set_toon
 from iwis.core.unbiased_rays import UnbiasedSampler
-from support.brdf_points import directions, evaluated, points, sphere_quadrature
+from support.brdf_points import directions, evaluated, material, points, sphere_quadrature
 from support.samplers import all_rays, random_sequence
 from support.scenes import constant_world
 from support.warps import light_of
@@ -28,6 +30,12 @@ def _lobes(kind):
         lobes = points(wo, model=PRINCIPLED, **own)
         stretch_lobes(lobes, width, grain)
         return lobes
+    if kind == "filmed, rough below":
+        own = {"base_color": (0.8, 0.8, 0.8), "metallic": 0.3, "diffuse_roughness": 1.0}
+        lobes, metal = points(wo, model=PRINCIPLED, **own), (None, None)
+        film = FilmValues(REC709, 800.0 * width, 3.0 * width, *metal)
+        set_film(lobes, material(_POINTS, **own), np.arange(_POINTS), film)
+        return lobes
     lobes = points(wo, model=DIFFUSE)
     if kind in ("fibers", "velvet"):
         set_sheen(lobes, every & (kind == "fibers"), every & (kind == "velvet"), width)
@@ -36,7 +44,9 @@ def _lobes(kind):
     return lobes
 
 
-@pytest.mark.parametrize("kind", ["fibers", "velvet", "toon", "brushed, rough below"])
+@pytest.mark.parametrize(
+    "kind", ["fibers", "velvet", "toon", "brushed, rough below", "filmed, rough below"]
+)
 def test_samples_bring_the_integral(kind):
     """In even light, of 500 points with 128 samples: within 4 standard errors and the quadrature's
     2e-3. A density that counts the samples of the lobe twice is 4 to 9 % off."""

@@ -6,7 +6,7 @@ from .cases import shown
 from .world_cases import sky, world
 
 
-def _in(space, make):
+def in_space(space, make):
     """The numbers of the file's colours stay as they are."""
 
     def made(tree):
@@ -43,10 +43,10 @@ def _of_bytes(tree):
 
 if bpy.app.version >= (5, 0):
     for _space in ("ACEScg", "Linear Rec.2020"):
-        shown(f"RGB to BW in {_space}", _in(_space, _gray))
-        shown(f"Color as a number in {_space}", _in(_space, _as_number))
-        shown(f"Blackbody in {_space}", _in(_space, _blackbody))
-        shown(f"Wavelength in {_space}", _in(_space, _wavelength))
-        shown(f"Image Texture in {_space}", _in(_space, _of_bytes))
+        shown(f"RGB to BW in {_space}", in_space(_space, _gray))
+        shown(f"Color as a number in {_space}", in_space(_space, _as_number))
+        shown(f"Blackbody in {_space}", in_space(_space, _blackbody))
+        shown(f"Wavelength in {_space}", in_space(_space, _wavelength))
+        shown(f"Image Texture in {_space}", in_space(_space, _of_bytes))
     _PREETHAM = {"sky_type": "PREETHAM", "sun_direction": (0.3, -0.4, 0.6), "turbidity": 4.0}
-    world("Sky, Preetham, in ACEScg", _in("ACEScg", sky(**_PREETHAM)))
+    world("Sky, Preetham, in ACEScg", in_space("ACEScg", sky(**_PREETHAM)))
