@@ -28,7 +28,8 @@ from .thin_film import (
 from .thin_film_tables import GAUSSIANS
 
 _EDGE = np.float32(1.0 / 7.0)  # the cosine where a metal's edge tint counts
-_LEAST_IOR = np.float32(1e-5)
+_LEAST_IOR, _MOST_IOR = np.float32(1e-5), np.float32(1e6)
+_THICKEST = np.float32(1e9)  # nm
 
 
 class FilmValues(NamedTuple):
@@ -67,8 +68,8 @@ def _set_film(params, rows, film, code, tables: AlbedoTables, out):
         p = rows[i]
         if params.model[p] != PRINCIPLED or not thickness[i] > THINNEST:
             continue
-        out.tint[p, 0] = min(thickness[i], np.float32(1e9))
-        out.tint[p, 1] = ior[i] if ior[i] > _LEAST_IOR else _LEAST_IOR
+        out.tint[p, 0] = min(thickness[i], _THICKEST)
+        out.tint[p, 1] = min(ior[i], _MOST_IOR) if ior[i] > _LEAST_IOR else _LEAST_IOR
         out.tint[p, 2] = code
         metallic = min(max(params.metallic[p], ZERO), ONE)
         if metallic <= METAL_CUTOFF:

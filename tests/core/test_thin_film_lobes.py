@@ -48,6 +48,17 @@ def test_no_film_changes_nothing(thickness):
         np.testing.assert_array_equal(ours, theirs)
 
 
+@pytest.mark.parametrize("metallic", (0.0, 1.0))
+def test_films_that_are_no_numbers_reflect_some_light(metallic):
+    """An index that is infinite, none, or below 0, as if it were very large or small; no end."""
+    wi = _F([[-0.5, 0.2, 0.8426]])
+    for thickness, ior in ((300.0, np.inf), (300.0, np.nan), (300.0, -1.0), (np.inf, 1.33)):
+        lobes = _filmed(directions([0.7]), _film(1, thickness, ior), metallic=metallic)
+        assert np.isfinite(lobes.glossy_color).all() and np.isfinite(lobes.diffuse).all()
+        value = evaluated(lobes, 0, wi)
+        assert np.isfinite(value).all() and value[0, 3:].min() > 0.0
+
+
 @pytest.mark.parametrize("metallic", (0.0, 0.6, 1.0))
 @pytest.mark.parametrize("grain", (0.0, 1.5))
 def test_gloss_is_that_of_its_facets_times_their_color(metallic, grain):
