@@ -20,6 +20,7 @@ asked, light_groups, aovs    passes on request: mist, mattes, ambient occlusion,
                              what nodes write
 bake                         triangles of an object for the texels that Blender wants baked
 measured                     materials with a measured BRDF in place of nodes
+movies                       frames of movies that are textures
 texture_size, smooth_texels  images made smaller by Simplify, or finer for cubic interpolation
 live, late_sky               a window's scene, of which only what has changed is read again, and
                              whose skies are not waited for
@@ -109,7 +110,7 @@ def export_scene(
     warn_of_missing_libraries(warnings)
     camera = camera or export_camera(depsgraph, warnings, region=region, own=own_camera)
     read, texels = geometry, TexelCache() if cache is None else cache.texels
-    texels.size = texture_size(depsgraph)
+    texels.size, texels.frame = texture_size(depsgraph), depsgraph.scene.frame_current
     if live is not None:
         live.use(texels.size)
     shading = _Shading(depsgraph, live, texels, cancelled, warnings)

@@ -18,6 +18,7 @@ import bpy
 import numpy as np
 
 from ..scratch import scratch
+from .movies import frame_of, show_frame
 
 _WORKING_SPACE_OF_4 = "Linear Rec.709"
 # Y of the primaries, as Cycles has them: ACEScg's are adapted to the white of D65.
@@ -40,13 +41,14 @@ class ImageError(ValueError):
     """The image has no texels. The text says why and what to do."""
 
 
-def read_texels(image, image_user=None) -> Texels:
+def read_texels(image, image_user=None, frame: int | None = None) -> Texels:
     """The texels of the image at the frame of its user. Raises ImageError with what to do."""
-    return read_by(texels_of, image, image_user)
+    return read_by(texels_of, image, image_user, frame)
 
 
-def read_by(read, image, image_user):
-    """read(data-block) of the image at the frame of its user, as Texels or otherwise."""
+def read_by(read, image, image_user, frame: int | None = None):
+    """read(data-block) of the image at the frame of its user, as Texels or otherwise. frame: of the
+    scene, which a movie's user need not have been told; None: it has."""
     if image is None:
         raise ImageError("no image is chosen: choose one in the node, or remove the node")
     if image.source == "SEQUENCE" and image_user is not None and not image.packed_files:
@@ -54,6 +56,8 @@ def read_by(read, image, image_user):
         return _read_file(path, image.colorspace_settings.name, image.alpha_mode, read)
     loaded = image.has_data
     try:
+        if image.source == "MOVIE" and image_user is not None:
+            show_frame(image, frame_of(image_user, frame))
         return read(image)
     finally:
         if bpy.app.background and not loaded:  # nobody else needs it: 2 GB of 16384 x 8192 texels

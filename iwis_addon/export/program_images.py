@@ -17,6 +17,7 @@ import numpy as np
 from ...core.program import ImageTiles
 from ..scratch import scratch
 from .image import ImageError, Room, bytes_of, pixels_of, read_by, srgb_encode, texels_of
+from .movies import frame_of
 
 _FIRST_TILE = 1001
 
@@ -34,11 +35,15 @@ class ImageStore:
 
     def tiles(self, image, image_user) -> ImageTiles:
         """Raises ImageError with what to do."""
-        frame = 0 if image_user is None else image_user.frame_current
-        key = image.session_uid, frame if image.source in ("SEQUENCE", "MOVIE") else 0
+        shown = None if self._cache is None else self._cache.frame
+        frame = 0
+        if image_user is not None and image.source in ("SEQUENCE", "MOVIE"):
+            now = shown if image.source == "MOVIE" else None
+            frame = frame_of(image_user, now)
+        key = image.session_uid, frame
         if key not in self._read:
             kind = _read_tiles if image.source == "TILED" else _read_image
-            make = functools.partial(kind, room=self._room)
+            make = functools.partial(kind, room=self._room, frame=shown)
             if self._cache is None:
                 self._read[key] = make(image, image_user)
             else:
@@ -53,8 +58,6 @@ def image_settings(builder, node) -> dict:
     try:
         if image is None:
             raise ImageError("no image is chosen: choose one in the node, or remove the node")
-        if image.source == "MOVIE":
-            warn(node, f'image "{image.name}" is a movie: only the frame in Blender is used')
         tiles = builder.images.tiles(image, node.image_user)
     except ImageError as error:
         warn(node, f"{error}. Pink instead, as in Cycles")
@@ -71,12 +74,12 @@ def image_settings(builder, node) -> dict:
     }
 
 
-def _read_image(image, image_user, room) -> ImageTiles:
-    rgba, encoded = _read_rgba(image, image_user, room)
+def _read_image(image, image_user, room, frame) -> ImageTiles:
+    rgba, encoded = _read_rgba(image, image_user, room, frame)
     return ImageTiles({(0, 0): rgba}, encoded)
 
 
-def _read_tiles(image, _image_user, room) -> ImageTiles:
+def _read_tiles(image, _image_user, room, **_of_movies) -> ImageTiles:
     """The tiles of a UDIM image, each from its own file, or from what is packed."""
     try:
         return _read_all_tiles(image, room)
@@ -122,7 +125,7 @@ def _read_tile(image, path: str, packed: bool, room):
         return _read_rgba(loaded, None, room)
 
 
-def _read_rgba(image, image_user, room) -> tuple[np.ndarray, bool]:
+def _read_rgba(image, image_user, room, frame=None) -> tuple[np.ndarray, bool]:
     """(uint8 or float32 (h, w, 4), whether it is sRGB still)."""
     no_alpha = image.alpha_mode == "NONE" or image.source == "SEQUENCE"
 
@@ -134,7 +137,7 @@ def _read_rgba(image, image_user, room) -> tuple[np.ndarray, bool]:
             rgba[..., 3] = 255
         return rgba, not own.colorspace_settings.is_data
 
-    return read_by(read, image, image_user)
+    return read_by(read, image, image_user, frame)
 
 
 def _floats_of(image, no_alpha) -> tuple[np.ndarray, bool]:

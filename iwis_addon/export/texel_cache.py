@@ -20,11 +20,12 @@ from .texture_size import WHOLE, TextureSize, smaller_texels, smaller_tiles
 
 class TexelCache:
     """Images by what they depend on, and what was made of them; skies: how those are read; size:
-    how large images may be."""
+    how large images may be; frame: of the scene, None = not told."""
 
     def __init__(self):
         self.skies = Skies()
         self.size: TextureSize = WHOLE
+        self.frame: int | None = None
         self._last: dict[tuple, Texels] = {}
         self._now: dict[tuple, Texels] = {}
         self._loaded_from: dict[int, tuple] = {}  # session_uid -> file as it was then
@@ -46,7 +47,7 @@ class TexelCache:
         return texels
 
     def _read(self, image, image_user) -> Texels:
-        texels = read_texels(image, image_user)
+        texels = read_texels(image, image_user, self.frame)
         plain = texels.srgb_interpolation or image.colorspace_settings.is_data
         return smaller_texels(texels, self.size, plain and not image.is_float)
 

@@ -29,10 +29,6 @@ _SKY_MEAN = {
     "SINGLE_SCATTERING": (2.1, 2.1, 2.0),
     "MULTIPLE_SCATTERING": (1.9, 2.5, 3.5),
 }
-_IN_PARTS = {
-    "MOVIE": "is a movie: only the frame that Blender shows is used",
-    "TILED": "has UDIM tiles: only the first is used",
-}
 
 
 def _sky(builder, node, groups):
@@ -114,8 +110,9 @@ def _texels(builder, node):
     """(rgb, srgb interpolation) of a texture node; one pink texel where it cannot be read."""
     image = node.image
     try:
-        if image is not None and image.source in _IN_PARTS:
-            builder.reader.warn(node, f'image "{image.name}" {_IN_PARTS[image.source]}')
+        if image is not None and image.source == "TILED":
+            told = "has UDIM tiles: only the first is used"
+            builder.reader.warn(node, f'image "{image.name}" {told}')
         return builder.cache.read(image, node.image_user)
     except ImageError as error:
         builder.reader.warn(node, f"{error}. Pink instead, as in Cycles")

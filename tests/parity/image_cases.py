@@ -7,6 +7,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from support.movies import write_movie
+
 from .cases import CASES, Case, shown, world
 from .scene import picture
 
@@ -133,3 +135,31 @@ world("Environment Texture, Cubic", _sky("Cubic", 16, float_buffer=True))
 world("Environment Texture, Smart, sRGB", _sky("Smart", 64, "sRGB"))
 world("Environment Texture, Cubic, mirror ball", _sky("Cubic", 32, projection="MIRROR_BALL"))
 world("Environment Texture, Cubic, wide", _sky("Cubic", 2048, float_buffer=True))
+
+
+def _movie_at(frame, **user):
+    """A movie of stripes that wander, at a frame of the scene."""
+
+    def load():
+        columns = np.arange(64) + 6 * np.arange(10)[:, None, None, None]
+        frames = np.zeros((10, 32, 64, 3), np.uint8)
+        frames[...] = 40 + 20 * (columns[..., None][:, :, 0] // 8 % 10)
+        frames[:, :16, :, 1] //= 2
+        folder = Path(bpy.context.scene.render.filepath).parent
+        path = folder / "movie.avi"
+        write_movie(path, frames)
+        bpy.context.scene.frame_set(frame)
+        return bpy.data.images.load(str(path))
+
+    def make(tree, kind="ShaderNodeTexImage"):
+        node = tree.node(kind, image=load())
+        for name, value in ({"frame_duration": 10} | user).items():
+            setattr(node.image_user, name, value)
+        return node.outputs["Color"]
+
+    return make
+
+
+shown("Image Texture, movie", _movie_at(4))
+shown("Image Texture, movie, begins later, cyclic", _movie_at(7, frame_start=12, use_cyclic=True))
+world("Environment Texture, movie", lambda tree: _movie_at(6)(tree, "ShaderNodeTexEnvironment"))
