@@ -1,7 +1,8 @@
 """A lamp's program over its UV map: the texels of its picture (lamp_pictures.py has the map).
 
 As Cycles has it, a lamp's point is where its light leaves; its normal is the way it shines from
-there, and so, here, is the way to what it lights; its UV map is its parametric one.
+there, and so, here, is the way to what it lights; its UV map is its parametric one. Of a lamp that
+is a disc which faces what it lights, a direction has the mean over the disc.
 """
 
 from __future__ import annotations
@@ -18,6 +19,9 @@ from .falloff import Falloff, falloff_of
 
 _BLOCK = 1 << 15  # points at once
 _GRID = 24  # places along a side that a falloff is looked for at
+_ON_DISC = 8  # places on a disc, turned otherwise for each texel: the lamp's samples see many
+_GOLDEN = np.pi * (3.0 - 5.0**0.5)
+_ASIDE = 0.6, np.ones(1)  # a place on a disc that is not its middle
 
 
 class LampPlaces(NamedTuple):
@@ -29,6 +33,8 @@ class LampPlaces(NamedTuple):
     slope: tangent of half the angle of a spot; 0 = it is none
     flat: whether its picture is on an area, or on a plane across a spot's axis, and not on a sphere
     by_direction: whether the picture is of directions, all from the lamp's middle
+    disc: radius of a disc that faces what it lights, metres of the world; 0: it is none, or its
+        nodes do not ask where on it light leaves
     """
 
     to_world: np.ndarray
@@ -38,6 +44,7 @@ class LampPlaces(NamedTuple):
     slope: float = 0.0
     flat: bool = False
     by_direction: bool = False
+    disc: float = 0.0
 
     def at(self, u, v) -> tuple[np.ndarray, np.ndarray]:
         """(places, the way they shine), of object space but a radius, float32 (n, 3) each."""
@@ -76,9 +83,10 @@ class LampPlaces(NamedTuple):
 
 
 class _LampContext(ShadeContext):
-    """n places of a lamp."""
+    """n places of a lamp. on_disc: how far from the middle of a disc, in radii, and the angle;
+    None: its middle"""
 
-    def __init__(self, lamp: LampPlaces, camera: Camera, u, v, distance):
+    def __init__(self, lamp: LampPlaces, camera: Camera, u, v, distance, on_disc=None):
         places, way = lamp.at(u, v)
         matrix = lamp.to_world
         world = places @ matrix[:3, :3].T + matrix[:3, 3]
@@ -91,6 +99,9 @@ class _LampContext(ShadeContext):
         normal = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-30)[:, None]
         if lamp.radius > 0.0 and not lamp.by_direction:
             world += lamp.radius * normal
+            places = (world - matrix[:3, 3]) @ turned.T
+        elif lamp.disc > 0.0 and on_disc is not None:
+            world += lamp.disc * _across(normal, *on_disc)
             places = (world - matrix[:3, 3]) @ turned.T
         none = np.zeros(len(u), np.int32)
         self.mesh, self.camera, self.shadow = None, camera, False
@@ -148,6 +159,17 @@ class _LampContext(ShadeContext):
         return None
 
 
+def _across(normal, far, angle) -> np.ndarray:
+    """float64 (n, 3): so far from the origin, in a plane across each normal."""
+    flat = np.abs(normal[:, 2]) < 0.9
+    up = np.where(flat[:, None], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
+    side = np.cross(up, normal)
+    side /= np.linalg.norm(side, axis=1)[:, None]
+    return far * (
+        np.cos(angle).reshape(-1, 1) * side + np.sin(angle).reshape(-1, 1) * np.cross(normal, side)
+    )
+
+
 def _unit_columns(matrix) -> np.ndarray:
     return matrix / np.maximum(np.linalg.norm(matrix, axis=0), 1e-30)
 
@@ -171,9 +193,22 @@ def lamp_picture(
         v, u = np.meshgrid(
             (np.arange(first, last) + 0.5) / height, (np.arange(width) + 0.5) / width, indexing="ij"
         )
-        context = _LampContext(lamp, camera, u.ravel(), v.ravel(), distance)
-        found.append(Evaluation(program, context).vector(value))
+        own = lamp, camera, u.ravel(), v.ravel(), distance
+        parts = (
+            Evaluation(program, _LampContext(*own, place)).vector(value)
+            for place in _places_on_disc(lamp, first * width, u.size)
+        )
+        found.append(np.mean(list(parts), axis=0, dtype=np.float32))
     return np.maximum(np.concatenate(found), 0.0).reshape(height, width, 3)
+
+
+def _places_on_disc(lamp: LampPlaces, first: int, n: int):
+    """on_disc of n texels from a first one on, as many as their mean is of."""
+    if lamp.disc == 0.0:
+        return [None]
+    turn = 2.0 * np.pi * np.random.default_rng(first).random(n)
+    far = np.sqrt((np.arange(_ON_DISC) + 0.5) / _ON_DISC)
+    return [(far[k], k * _GOLDEN + turn) for k in range(_ON_DISC)]
 
 
 def lamp_falloff(program: Program, value: Value, lamp: LampPlaces, camera: Camera) -> Falloff:
@@ -181,7 +216,7 @@ def lamp_falloff(program: Program, value: Value, lamp: LampPlaces, camera: Camer
     u, v = _grid()
 
     def light(place, distance):
-        context = _LampContext(lamp, camera, u[place], v[place], distance)
+        context = _LampContext(lamp, camera, u[place], v[place], distance, _ASIDE)
         return np.maximum(Evaluation(program, context).vector(value), 0.0)
 
     return falloff_of(light, len(u))

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ...core.channels import LUMINANCE
-from ...core.lamps import BEAM, PLANE_EDGE, ROUND_BEAM, SPHERE
+from ...core.lamps import BEAM, DISC, PLANE_EDGE, ROUND_BEAM, SPHERE
 from ...core.nodes.falloff import asks_for_distance
 from ...core.nodes.ies import IES
 from ...core.nodes.lamp_map import LampPlaces, even_color, lamp_falloff, lamp_picture
@@ -41,14 +41,16 @@ def places_of(light, kind: int, matrix: np.ndarray, own: LampLight) -> LampPlace
     if light.type == "SUN":
         return LampPlaces(matrix, radius=1.0)  # any places that differ
     radius = light.shadow_soft_size if kind == SPHERE else 0.0
+    disc = light.shadow_soft_size if kind == DISC and any(map(asks_for_place, ops)) else 0.0
     if light.type == "POINT":
-        return LampPlaces(matrix, radius=radius, by_direction=by_direction)
+        return LampPlaces(matrix, radius=radius, by_direction=by_direction, disc=disc)
     half = min(0.5 * light.spot_size, _WIDEST)
     # A spot's UV map is by the direction to what it lights, wherever on its ball a ray begins.
     by_direction = by_direction or any(map(asks_for_uv, ops))
     flat = math.cos(half) > PLANE_EDGE and (by_direction or radius == 0.0)
     slope = math.tan(half)
-    return LampPlaces(matrix, radius=radius, slope=slope, flat=flat, by_direction=by_direction)
+    own = LampPlaces(matrix, radius=radius, slope=slope, flat=flat, by_direction=by_direction)
+    return own._replace(disc=disc)
 
 
 def asks_for_uv(op: Op) -> bool:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from iwis.core.nodes.lamp_map import LampPlaces
+from iwis.core.nodes.lamp_map import LampPlaces, lamp_picture
+from iwis.core.program import Op, Program, Ref
 
 
 def _lamp(scales):
@@ -28,3 +29,23 @@ def test_uv_of_a_ball_is_by_direction_in_its_own_space(scales):
     np.testing.assert_allclose(found[:, :2].T, expected, atol=1e-6)  # float32
     own = np.abs(found[:, 0] - u).max()
     assert (own < 1e-6) if scales[0] == scales[1] else (own > 0.03)
+
+
+def test_a_disc_faces_what_it_lights_and_shows_the_mean_over_it():
+    """Of the square of the place across its object, which a scale does not change: half of the
+    radius squared over the object's two axes that the disc spans, in every direction."""
+    place = Op("ShaderNodeTexCoord", {}, {"outputs": {"Object"}})
+    inputs = {"Vector": Ref(0, "Object"), "Vector_001": Ref(0, "Object")}
+    squared = Op("ShaderNodeVectorMath", inputs, {"operation": "MULTIPLY", "before": False})
+    program, value = Program(ops=(place, squared), closures=()), Ref(1, "Vector")
+    for scales in ((1.0, 1.0, 1.0), (0.5, 2.0, 1.25)):
+        lamp = LampPlaces(np.diag([*scales, 1.0]), disc=0.4)
+        found = lamp_picture(program, value, lamp, None, 64, 32)
+        # A wide average of few places each.
+        total = (found * np.square(scales)).sum(-1).mean()
+        np.testing.assert_allclose(total, 0.5 * 0.4**2, rtol=1e-3)
+        poles = (found[[0, -1]] * np.square(scales)).mean((0, 1))
+        np.testing.assert_allclose(poles[:2], 0.25 * 0.4**2, rtol=0.1)
+        assert poles[2] < 1e-3
+        middle = lamp_picture(program, value, lamp._replace(disc=0.0), None, 64, 32)
+        assert not middle.any()

@@ -28,7 +28,11 @@ _STRETCHED = (
 
 _HARD = "at the edges, a pixel wide, where hard sides meet or come apart; faces agree"
 
+_OF_THE_DISC = "a direction has the mean over the disc, of which shadows and cones show parts"
+
 WHY = {
+    "Lamp's nodes: soft ball, place on it, scaled": _OF_THE_DISC,
+    "Lamp's nodes: soft spot, place on it": _OF_THE_DISC,
     "Displacement of vertices, hard edges, normals": _HARD,
     "Displacement of vertices and bump, hard edges, normals": _HARD,
     "Displacement of vertices and bump, vector in tangent space, normals": _STRETCHED,
