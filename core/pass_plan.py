@@ -17,7 +17,8 @@ import numpy as np
 
 from .light_edges import add_edges
 from .pass_rays import PILOT
-from .pass_sums import PassSums, cell_spreads, fill_spreads
+from .pass_sums import PassSums, cell_spreads, fill_spreads, glint_spreads
+from .rows import rows_of
 from .settings import RenderSettings
 from .silhouettes import Silhouettes
 from .stop_rule import FLOOR, plan_counts, threshold_of, typical_count
@@ -94,6 +95,11 @@ class PassPlan:
             shared = cell_spreads(cell, self._n_cells, passes, light, own(blurred_ones))
             which = self._silhouettes.blurred[pixels]
             spread[which] = shared[self._cell[pixels[which]]]
+        if sums.glossy.any():
+            every, cell = self._pixels, self._cell
+            own_sums = PassSums(*rows_of(sums, every))
+            glints = glint_spreads(cell[every], self._n_cells, self._batch, own_sums, own(every))
+            np.maximum(spread, glints[cell[pixels]], out=spread)
         return spread
 
     def _perceptual(self, active, sums) -> np.ndarray:
