@@ -82,6 +82,9 @@ def _principled(dice, tree):
         inputs |= {"Specular IOR Level": dice.edge(0.0, 1.0), "Specular Tint": dice.color()}
     if dice.chance(0.2):
         inputs["Diffuse Roughness"] = dice.edge(0.0, 1.0)
+    if dice.chance(0.2):
+        inputs["Thin Film Thickness"] = values.number(dice, tree, 0.0, dice.between(50.0, 1500.0))
+        inputs["Thin Film IOR"] = dice.between(0.9, 2.5)
     # Under a coat or sheen it depends on the direction, which lights others otherwise (warned).
     if dice.chance(0.15) and not {"Coat Weight", "Sheen Weight"} & inputs.keys():
         dice.tell("shines")
