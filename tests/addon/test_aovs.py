@@ -6,6 +6,7 @@ import pytest
 
 from iwis.core.exr import read_exr_layers
 from iwis.iwis_addon.export import export_scene
+from iwis.iwis_addon.export.program_nodes import HANDLERS
 from iwis.iwis_addon.job import RenderJob
 from iwis.operators.save_film import film_layers
 from support.compositor import sockets_by_engine
@@ -119,8 +120,9 @@ def test_asking_changes_no_pixel(told_scene, tmp_path):
     assert scene.shaders is None
 
 
-def test_what_is_not_known_is_told(cube_scene):
+def test_what_is_not_known_is_told(cube_scene, monkeypatch):
     """A node without a meaning here: its input's own value, and a line."""
+    monkeypatch.delitem(HANDLERS, "ShaderNodeWavelength")
     build = Build("Odd")
     build.surface(build.node("ShaderNodeBsdfDiffuse"))
     odd = build.node("ShaderNodeWavelength")

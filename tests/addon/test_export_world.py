@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from iwis.iwis_addon.export import sky
+from iwis.iwis_addon.export.program_nodes import HANDLERS
 from iwis.iwis_addon.export.sky import SkyError
 from iwis.iwis_addon.world_bake import bake_world
 from support.world_render import (
@@ -132,6 +133,7 @@ def test_unsupported_colour_is_never_black_without_a_word(tree, kind, monkeypatc
         raise SkyError("no process")
 
     monkeypatch.setattr(sky, "read_sky", fails)
+    monkeypatch.delitem(HANDLERS, "ShaderNodeWavelength")
     node, background = add(tree, kind), add(tree, "Background")
     output = next(s for s in node.outputs if s.type == "RGBA")
     tree.links.new(output, background.inputs["Color"])

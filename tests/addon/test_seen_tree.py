@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from iwis.iwis_addon.export.live import _scene_is_asked
+from iwis.iwis_addon.export.program_nodes import HANDLERS
 from iwis.iwis_addon.export.seen_tree import name_of, seen_tree
 from iwis.iwis_addon.unsupported import unsupported_of
 from support.material_builds import Build, only
@@ -29,8 +30,9 @@ def _grouped(build, inner_kind, name, output=0):
     return build.node("ShaderNodeGroup", node_tree=group)
 
 
-def test_warnings_name_nodes_as_the_user_does(build):
+def test_warnings_name_nodes_as_the_user_does(build, monkeypatch):
     """A node of a group too, and one whose own name begins with a number."""
+    monkeypatch.delitem(HANDLERS, "ShaderNodeWavelength")
     for name in ("Waves", "2_Waves"):
         build = Build()
         group = _grouped(build, "ShaderNodeWavelength", name)
@@ -83,8 +85,9 @@ if IS_5:
         row, warnings = only(build.surface(emission))
         assert warnings == [] and row["emission"] == [0.5, 0.5, 0.5]
 
-    def test_nothing_is_baked_for_a_zone_alone(build):
+    def test_nothing_is_baked_for_a_zone_alone(build, monkeypatch):
         """But it is where something in the tree is not known, for the user's own tree has it."""
+        monkeypatch.delitem(HANDLERS, "ShaderNodeWavelength")
         build.surface(build.node("ShaderNodeEmission", links=[("Strength", _halved(build, 2))]))
         assert unsupported_of(build.material) == []
         wave = build.node("ShaderNodeWavelength", "Waves")

@@ -67,7 +67,7 @@ def main() -> None:
     expect(bpy.data.images["IWIS Difference to Cycles"]["mre"] > 0.0, "a mean relative error")
     run(iwis.convert_world, height=16, samples=1)
     shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
-    pattern = tree.nodes.new("ShaderNodeWavelength")
+    pattern = tree.nodes.new("ShaderNodeTexSky")
     tree.links.new(pattern.outputs["Color"], shader.inputs["Color"])
     tree.links.new(shader.outputs[0], output.inputs["Surface"])
     thing.data.materials[0] = bpy.data.materials.new("Plain")
