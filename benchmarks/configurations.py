@@ -18,7 +18,7 @@ UNLIMITED = 1 << 14  # max_samples where a rule shall end a pixel
 class Configuration(NamedTuple):
     """One way to make the picture.
 
-    renderer: "iwis" (the product's own way), "core" (core/reference.py), "cycles" or "mitsuba"
+    renderer: "iwis" (the product's own way), "core" (reference.py), "cycles" or "mitsuba"
     settings: RenderSettings of iwis; method of core; emitter and BSDF samples of mitsuba
     knob, first, factor: what is turned; its value in step k is first * factor ** k
     """

@@ -22,8 +22,8 @@ from metrics import errors
 from run_cycles import render_cycles
 from run_iwis import IwisRun, export_open_file
 
-from iwis.core.denoise import NOISY
 from iwis.core.denoised_render import render_denoised
+from iwis.core.denoising.denoise import NOISY
 from iwis.core.film import Film
 from iwis.core.settings import DenoiseSettings, RenderSettings
 from iwis.iwis_addon.denoiser import denoising

@@ -17,9 +17,9 @@ from embreex.mesh_construction import TriangleMesh as EmbreeMesh
 from embreex.rtcore_scene import EmbreeScene
 from run_iwis import IwisRun
 
-from iwis.core import center_tile
-from iwis.core.accel import Accel
+from iwis.core.embree.accel import Accel
 from iwis.core.render_cache import RenderCache
+from iwis.core.tiles import center_tile
 
 REPEATS = 5
 
@@ -69,7 +69,7 @@ class _RecordingCache(RenderCache):
 def record(run: IwisRun, **changes) -> RecordingAccel:
     """The rays of a render with changed settings, on one thread.
 
-    Nothing is learnt from them (core/guide.py), for rays on their way to Python teach nothing.
+    Nothing is learnt from them (guide.py), for rays on their way to Python teach nothing.
     Raises RuntimeError if the render has traced others: then this program is out of date.
     """
     recording = IwisRun(run.scene, run.base)

@@ -1,4 +1,4 @@
-"""The estimators of core/reference.py on an exported scene: WIS, light sampling, BSDF, MIS.
+"""The estimators of reference.py on an exported scene: WIS, light sampling, BSDF, MIS.
 
 The picture is made as render.py makes it, with core.incremental's loop at a fixed count: tiles,
 threads, camera rays, shading. Only where the samples go is another.
@@ -12,16 +12,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from iwis.core import reference
-from iwis.core.camera import camera_rays
-from iwis.core.incremental import sample_points
-from iwis.core.lobe_setup import setup_lobes
+from iwis.core.bsdf.lobe_setup import setup_lobes
+from iwis.core.camera.camera import camera_rays
+from iwis.core.comparisons import reference
+from iwis.core.geometry.shading import ShadingPoints, params_at, shading_points
 from iwis.core.render_cache import RenderCache
+from iwis.core.sampling.incremental import sample_points
 from iwis.core.scene import Scene
-from iwis.core.sequence import common_points, pixel_sequence
 from iwis.core.settings import RenderSettings
-from iwis.core.shading import ShadingPoints, params_at, shading_points
-from iwis.core.tiles import tile_rects
+from iwis.core.tiles.tiles import tile_rects
+from iwis.core.unit_square.sequence import common_points, pixel_sequence
 
 SHARES = {
     "light": reference.LIGHT_SAMPLING,

@@ -3,7 +3,7 @@
     python benchmarks/seeds.py [--samples 256] [--seeds 10] [--reference 65536] [--side 20] [NUMBER]
 
 Twelve pairs of material and HDRI on a bumpy ball of 600 smooth-shaded triangles under a roof, its
-color and roughness another on each triangle. The reference is core/reference.py: MIS of light and
+color and roughness another on each triangle. The reference is reference.py: MIS of light and
 BSDF sampling, with Halton points; only BRDF, look-up and Embree are the same code.
 
 The standard error is estimated from the ten seeds themselves, so the difference over it follows

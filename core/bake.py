@@ -11,16 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .asked_passes import NO_PASSES
-from .backdrop import Backdrop
-from .bake_points import BakePoints
+from .data.asked_passes import NO_PASSES
+from .data.bake_points import BakePoints
+from .data.lamps import BY_CAMERA, NO_LAMPS
 from .film import Progress, Tile, TileSink
-from .lamps import BY_CAMERA, NO_LAMPS
 from .render import render
 from .render_cache import RenderCache
 from .scene import CAMERA_RAYS, SHADOW_RAYS, EnvironmentMap, Scene
 from .settings import RenderSettings
 from .stats import RenderStats
+from .surfaces.backdrop import Backdrop
 
 # What needs light, and what does not.
 LIT = ("COMBINED", "DIFFUSE", "GLOSSY", "SHADOW")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .denoise import NOISY, Denoising, Guided, data_layers, denoise_apart, prepared
+from .denoising.denoise import NOISY, Denoising, Guided, data_layers, denoise_apart, prepared
 from .film import Progress, Tile, TileSink
 from .render import render, worker_count
 from .render_cache import RenderCache

@@ -9,28 +9,28 @@ from __future__ import annotations
 import dataclasses
 import os
 
-from .budget import BudgetRender
-from .center_tile import CenterTile
-from .copied_rows import written_out
-from .early_kernels import read_early
-from .embree_instances import can_copy, can_instance
+from .embree.copied_rows import written_out
+from .embree.embree_instances import can_copy, can_instance
 from .film import Progress, TileSink
-from .filtered_tile import FilteredTile
-from .light_rays import Light
-from .near_rays import with_near_rays
-from .paper_tables import PaperTables
-from .posed_lamps import shines_from_rest
+from .lamplight.posed_lamps import shines_from_rest
+from .machine.tile_pool import run_pool
+from .machine.watch import Cancelled, StopFlag, watched
+from .paper_mode.paper_tables import PaperTables
 from .render_cache import RenderCache, with_rows
+from .sampling.light_rays import Light
 from .scene import GLOSSY_TOON, TOON, Scene
-from .sequence import common_points
 from .settings import RenderSettings
 from .stats import RenderStats
-from .tile_job import Job, Rect, TileWork
-from .tile_pool import run_pool
-from .tiles import tile_plan
-from .time_slices import with_slices
-from .warm_up import warm_up
-from .watch import Cancelled, StopFlag, watched
+from .surfaces.near_rays import with_near_rays
+from .tiles.budget import BudgetRender
+from .tiles.center_tile import CenterTile
+from .tiles.early_kernels import read_early
+from .tiles.filtered_tile import FilteredTile
+from .tiles.tile_job import Job, Rect, TileWork
+from .tiles.tiles import tile_plan
+from .tiles.time_slices import with_slices
+from .tiles.warm_up import warm_up
+from .unit_square.sequence import common_points
 
 
 def render(

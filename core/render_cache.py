@@ -7,26 +7,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .accel import Accel
-from .backdrop import Backdrop
-from .copied_accel import CopiedAccel
-from .copied_rows import CopiedRows
-from .copies import Copies
-from .environment import make_lookup
-from .lamps import LampLink
-from .light_cache import light_key, load_light, save_light
-from .light_rays import Light, make_light
-from .light_tree import build_pyramid
-from .moved_accel import Moves, moved, moves_between, settled
-from .moving_accel import MovingAccel
-from .moving_copies import MovingCopies
-from .paper_tables import PaperTables, TableBuilder
-from .pyramid import LightPyramid
-from .ray_masks import RayMasks, ray_masks
+from .data.copies import Copies
+from .data.lamps import LampLink
+from .embree.accel import Accel
+from .embree.copied_accel import CopiedAccel
+from .embree.copied_rows import CopiedRows
+from .embree.moved_accel import Moves, moved, moves_between, settled
+from .embree.moving_accel import MovingAccel
+from .embree.moving_copies import MovingCopies
+from .light.environment import make_lookup
+from .light.light_cache import light_key, load_light, save_light
+from .light.light_tree import build_pyramid
+from .light.pyramid import LightPyramid
+from .paper_mode.paper_tables import PaperTables, TableBuilder
+from .sampling.light_rays import Light, make_light
 from .scene import EnvironmentMap, Scene, TriangleMesh
-from .scene_rays import RayParts, SceneRays
+from .see_through.ray_masks import RayMasks, ray_masks
+from .see_through.scene_rays import RayParts, SceneRays
 from .settings import RenderSettings
-from .table_cache import table_folder
+from .surfaces.backdrop import Backdrop
+from .wavelets.table_cache import table_folder
 
 
 class _Built(NamedTuple):

@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .asked_passes import NO_PASSES, AskedPasses
-from .bake_points import BakePoints
-from .copies import Copies
-from .lamps import NO_LAMPS, LampLink, Lamps
-from .object_motion import ObjectMotion, PixelMotion, Pose
-from .program import Shaders, WorldProgram
+from .data.asked_passes import NO_PASSES, AskedPasses
+from .data.bake_points import BakePoints
+from .data.copies import Copies
+from .data.lamps import NO_LAMPS, LampLink, Lamps
+from .data.object_motion import ObjectMotion, PixelMotion, Pose
+from .data.program import Shaders, WorldProgram
 
 EQUIRECTANGULAR, MIRROR_BALL = "EQUIRECTANGULAR", "MIRROR_BALL"
 LINEAR, CLOSEST, LINEAR_SRGB = "LINEAR", "CLOSEST", "LINEAR_SRGB"

@@ -17,7 +17,7 @@ from . import dependencies
 from .bake_kinds import is_baked, parts_of
 from .export import ExportCancelled, ExportError, export_scene
 from .export.bake import bake_points, camera_of_bake, with_asked
-from .export.mesh import MeshExport
+from .export.placed.mesh import MeshExport
 from .job import RenderJob
 from .preferences import share_cache_dir
 from .settings import render_settings

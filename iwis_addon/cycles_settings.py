@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.channels import LUMINANCE
+from ..core.data.channels import LUMINANCE
 from ..core.settings import LIMITS
 from .images import render_pixels
 from .job import ENGINE

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import bpy
 
-from ..core.denoise import Denoising
-from ..core.oidn import load_library
+from ..core.denoising.denoise import Denoising
+from ..core.denoising.oidn import load_library
 from ..core.settings import DenoiseSettings
 
 # Beside Blender's folder of scripts: Linux and macOS, Windows, Windows' bpy module.

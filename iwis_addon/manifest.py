@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 
-from ..core.asked_passes import Matte, name_hash
+from ..core.data.asked_passes import Matte, name_hash
 from .passes import MATTES, matte_layer
 
 

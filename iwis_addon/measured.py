@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, FloatVectorProperty, PointerProperty, StringProperty
 
-from .export.measured import file_of, read_file
+from .export.shaders.measured import file_of, read_file
 from .job import ENGINE
 
 # Preview: side in pixels; columns are outgoing cosines, 1 at the left.

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..core.asked_passes import channels_of
-from ..core.denoise import DATA_LAYERS, NOISY
+from ..core.data.asked_passes import channels_of
+from ..core.denoising.denoise import DATA_LAYERS, NOISY
 from ..core.film import LAYERS
 
 NAMES_OF_5 = bpy.app.version >= (5, 0, 0)

@@ -10,15 +10,15 @@ import threading
 
 import bpy
 
-from ..core.denoise import Denoising
+from ..core.denoising.denoise import Denoising
 from ..core.film import Film
 from ..core.scene import Scene
 from ..core.stats import RenderStats
 from . import dependencies, stereo
 from .denoiser import denoising
 from .export import ExportCancelled, export_scene
-from .export.motion import export_in_motion
-from .export.pixel_motion import export_with_vectors, wants_vectors
+from .export.motion.motion import export_in_motion
+from .export.motion.pixel_motion import export_with_vectors, wants_vectors
 from .job import RenderJob, RenderRecord
 from .leave import end_without_waiting
 from .manifest import stamp_mattes
@@ -37,8 +37,8 @@ def _load_core(settings) -> None:
     """Import the core, and have its machine code read, while Blender's thread exports."""
     try:
         dependencies.require()
-        from ..core.early_kernels import read_early
         from ..core.render import render
+        from ..core.tiles.early_kernels import read_early
 
         read_early(settings, render)
     except Exception:  # the render itself meets it again, and says it

@@ -1,7 +1,7 @@
 """Render a Sky Texture to an equirectangular picture, in a Blender process of its own.
 
 Blender cannot render while it renders: a sky is wanted at export, in the midst of a render job.
-This file is what the process runs (export/sky.py starts it); it knows nothing of the add-on.
+This file is what the process runs (export/images/sky.py starts it); it knows nothing of the add-on.
 """
 
 import json

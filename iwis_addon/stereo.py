@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from ..core.scene import Camera, Scene
-from .export.camera import camera_matrix, camera_optics
+from .export.cameras.camera import camera_matrix, camera_optics
 
 
 def camera_of_view(engine, scene, exported: Scene, view: str) -> Camera:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .export.node_values import NodeReader
-from .export.program_builder import ProgramBuilder
-from .export.program_images import ImageStore
-from .export.seen_tree import seen_tree
-from .export.shader_reader import ShaderReader
+from .export.shaders.node_values import NodeReader
+from .export.shaders.program_builder import ProgramBuilder
+from .export.shaders.program_images import ImageStore
+from .export.shaders.seen_tree import seen_tree
+from .export.shaders.shader_reader import ShaderReader
 
 _TYPES = ("RGBA", "VALUE", "INT", "BOOLEAN", "VECTOR")
 # What a picture cannot stand for: it is one itself, or its value is that of the ray.

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.scene import ORTHOGRAPHIC, PANORAMIC, PERSPECTIVE, Camera
-from .export.camera import camera_lens, camera_optics
+from .export.cameras.camera import camera_lens, camera_optics
 
 
 def view_camera(region, region_3d, space, scene, pixel_size: int) -> Camera | None:

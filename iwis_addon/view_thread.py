@@ -8,11 +8,11 @@ import time
 import weakref
 from collections.abc import Callable
 
-from ..core.denoise import Denoising
+from ..core.denoising.denoise import Denoising
+from ..core.denoising.view_denoiser import ViewDenoiser
+from ..core.machine.watch import StopFlag
 from ..core.scene import Scene
 from ..core.settings import RenderSettings
-from ..core.view_denoiser import ViewDenoiser
-from ..core.watch import StopFlag
 from . import dependencies
 
 log = logging.getLogger(__name__)
@@ -25,7 +25,7 @@ _JOIN_SECONDS = 2.0
 class ViewThread(threading.Thread):
     """Renders the last scene that it was given; knows nothing of Blender but ``redraw``.
 
-    picture: core.shown_picture.Picture, or None; version: counts the pictures
+    picture: core.windows.shown_picture.Picture, or None; version: counts the pictures
     denoiser: of the pictures; failure: what ended the last work
     first_seconds: from the last request to its first picture
     redraw() may raise ReferenceError where nobody looks any more: the thread then ends.
@@ -136,8 +136,9 @@ class _Tools:
 
     def __init__(self):
         dependencies.require()
-        from ..core import coarse_pictures, moved_accel, progressive
+        from ..core.embree import moved_accel
         from ..core.render_cache import RenderCache
+        from ..core.windows import coarse_pictures, progressive
 
         self._warm_up = moved_accel.warm_up
         self._cache, self._pace = RenderCache(), coarse_pictures.Pace()

@@ -16,14 +16,14 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from ..core.denoise import Denoising
+from ..core.denoising.denoise import Denoising
 from ..core.scene import Camera, Scene
 from ..core.settings import RenderSettings
 from . import view_picture, view_thread
 from .denoiser import denoising
 from .export import ExportCache, LiveExport, export_scene, film_exposure
-from .export.late_sky import LateSkies
 from .export.same import same
+from .export.worlds.late_sky import LateSkies
 from .preferences import share_cache_dir
 from .settings import denoise_settings, viewport_settings
 from .view_camera import view_camera

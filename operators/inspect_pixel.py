@@ -151,7 +151,7 @@ def picked_size(image, scene) -> tuple[int, int]:
 
 
 def inspect_pixel(depsgraph, x: int, y: int, height: int = 256, seen=None):
-    """core.pixel_view.PixelView of pixel (x, y) of the frame, y up, and a picture of it.
+    """core.windows.pixel_view.PixelView of pixel (x, y) of the frame, y up, and a picture of it.
 
     seen: (space, region) of a 3D view whose pixel is meant, with the rendered view's settings; None
     means the scene's camera and the settings of a render
@@ -159,7 +159,7 @@ def inspect_pixel(depsgraph, x: int, y: int, height: int = 256, seen=None):
     """
     dependencies.require()
     share_cache_dir()
-    from ..core.pixel_view import draw_pixel_view, look_at_pixel
+    from ..core.windows.pixel_view import draw_pixel_view, look_at_pixel
 
     scene, camera = depsgraph.scene_eval, None
     settings = render_settings(scene)

@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.paper import PaperSampler
-from ..core.seen_points import SeenPoints
-from ..core.sequence import PixelSequence, common_points, sequence_point
-from ..core.sphere_map import hemisphere_to_square
+from ..core.paper_mode.paper import PaperSampler
+from ..core.surfaces.seen_points import SeenPoints
+from ..core.unit_square.sequence import PixelSequence, common_points, sequence_point
+from ..core.unit_square.sphere_map import hemisphere_to_square
 from .runs import Run
 
 DENSITY_SIDE = 64

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.accel import start_shadow_ray
+from ..core.embree.accel import start_shadow_ray
 from .figure2 import Warp
 from .runs import Picture, Run
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core._jit import user_cache_dir
-from ..core.measured import read_measured
+from ..core.bsdf.measured import read_measured
 from ..core.scene import (
     GGX,
     MEASURED,

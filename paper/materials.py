@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.measured import fit_lobes
-from ..core.merl import SIDES
+from ..core.bsdf.measured import fit_lobes
+from ..core.bsdf.merl import SIDES
 from ..core.scene import MeasuredBrdfs
 
 

@@ -9,20 +9,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core import reference
-from ..core.camera import camera_rays
+from ..core.camera.camera import camera_rays
+from ..core.comparisons import reference
+from ..core.comparisons.two_stage import TwoStageSampler, continue_adaptively
 from ..core.film import Film
-from ..core.incremental import continue_points, new_sums
+from ..core.machine.watch import StopFlag
 from ..core.render import render, worker_count
 from ..core.render_cache import RenderCache
+from ..core.sampling.incremental import continue_points, new_sums
+from ..core.sampling.stop_rule import paper_rule
 from ..core.scene import Scene
-from ..core.seen_points import SeenPoints, with_lobes
-from ..core.sequence import common_points, pixel_sequence, sequence_point
 from ..core.settings import RenderSettings
-from ..core.stop_rule import paper_rule
-from ..core.tile_job import Job, Rect, trace_points
-from ..core.two_stage import TwoStageSampler, continue_adaptively
-from ..core.watch import StopFlag
+from ..core.surfaces.seen_points import SeenPoints, with_lobes
+from ..core.tiles.tile_job import Job, Rect, trace_points
+from ..core.unit_square.sequence import common_points, pixel_sequence, sequence_point
 
 SHARES = {
     "light": reference.LIGHT_SAMPLING,

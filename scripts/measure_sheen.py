@@ -1,4 +1,4 @@
-"""Measure the sheen of Cycles' Sheen BSDF (Microfiber): writes core/sheen_numbers.py.
+"""Measure the sheen of Cycles' Sheen BSDF (Microfiber): writes core/bsdf/sheen_numbers.py.
 
     python scripts/measure_sheen.py
 

@@ -1,6 +1,7 @@
 """Who may import whom (docs/architecture.md), found by walking the source: nothing is executed."""
 
 import ast
+import graphlib
 import re
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 import iwis
 
 ROOT = Path(iwis.__file__).resolve().parent
-CORE = sorted((ROOT / "core").glob("*.py"))
+CORE = sorted((ROOT / "core").rglob("*.py"))
 SHIPPED = sorted(
     [ROOT / "__init__.py", ROOT / "__main__.py"]
     + [
@@ -28,42 +29,24 @@ CORE_MAY_ALSO_IMPORT = {
     "exr": {"OpenEXR"},
     "prefetch": {"llvmlite"},
 }
-# What the parts beside core may import of core; None = all of it. What is not named here, nothing.
+# What the parts beside core may import of core, a folder or a module; what is not named, nothing.
 MAY_IMPORT_OF_CORE = {
-    "iwis_addon/export": {"scene", "settings", "film", "measured", "table_cache", "program"}
-    | {
-        "asked_passes",
-        "bake_points",
-        "bezier_patches",
-        "copies",
-        "dicing",
-        "dicing_view",
-        "displacement",
-        "lamps",
-        "emitters",
-        "islands",
-        "channels",
-        "micropolygons",
-        "object_motion",
-        "patch_values",
-        "program_ops",
-        "subdivision",
-        "subsurface",
-        "thin_film_tables",
+    "iwis_addon/export": {
+        "scene",
+        "settings",
+        "film",
+        "data",
         "nodes",
-        "nodes/color",
-        "nodes/falloff",
-        "nodes/hashing",
-        "nodes/ies",
-        "nodes/images",
-        "nodes/lamp_map",
-        "nodes/typical",
-        "nodes/wireframe",
-        "nodes/world",
-        "nodes/world_map",
+        "fine_meshes",
+        "bsdf/measured",
+        "bsdf/thin_film_tables",
+        "geometry/islands",
+        "lamplight/emitters",
+        "walks/subsurface",
+        "wavelets/table_cache",
     },
     "iwis_addon/settings.py": {"scene", "settings", "film"},
-    "iwis_addon/passes.py": {"scene", "settings", "film", "asked_passes", "denoise"},
+    "iwis_addon/passes.py": {"scene", "settings", "film", "data", "denoising/denoise"},
 }
 
 
@@ -92,49 +75,60 @@ def imports_of(path: Path, source: str | None = None) -> set[str]:
     return found
 
 
-def documented_groups(docstring: str) -> dict[str, int]:
-    """Module -> number of its group, from the table in core's docstring.
+def documented_rows(docstring: str) -> dict[str, int]:
+    """Folder or module of core -> its row in the table of core's docstring, counted from above.
 
-    A row is '    names, of, modules   NUMBER  words'; names that go on in the next line end in a
-    comma.
+    A row is '    name, name  words'.
     """
-    groups, waiting, number = {}, [], None
-    for line in docstring.splitlines():
-        row = re.match(r"    (\w+(?:, \w+)*,?)(?: {2,}(-?\d+) {2,}\S.*)?$", line)
-        if not row:
-            continue
-        number = int(row[2]) if row[2] else number
-        waiting = [name for name in re.split(r",\s*", row[1]) if name]
-        for name in waiting:
-            assert name not in groups, f"{name} stands twice in core's docstring"
-            groups[name] = number
-    return groups
+    rows = {}
+    for number, line in enumerate(docstring.splitlines()):
+        found = re.match(r"    (\w+(?:, \w+)*) {2,}\S", line)
+        for name in found[1].split(", ") if found else ():
+            assert name not in rows, f"{name} stands twice in core's docstring"
+            rows[name] = number
+    return rows
 
 
-def upward_imports(groups: dict[str, int], module: str, imports: set[str]) -> list[str]:
-    """Core modules that ``module`` imports although their group is not a lower one."""
-    wanted = {name.removeprefix("/core/") for name in imports if name.startswith("/core/")}
-    wanted = {name.partition("/")[0] for name in wanted}  # a package counts as one module
-    return sorted(name for name in wanted if groups[name] >= groups[module])
+def place_of(name: str) -> str:
+    """The folder of core that '/core/folder/module' is in, or the module's own name."""
+    return name.removeprefix("/core/").partition("/")[0]
 
 
-GROUPS = documented_groups(
+def upward_imports(rows: dict[str, int], place: str, imports: set[str]) -> list[str]:
+    """Of imports of core, those whose row is not above the one of ``place``; its own folder's
+    aside, and those of its own row that are no folders."""
+    wanted = {name for name in imports if name.startswith("/core/") and place_of(name) != place}
+    return sorted(name for name in wanted if rows[place_of(name)] > rows[place])
+
+
+ROWS = documented_rows(
     ast.get_docstring(ast.parse((ROOT / "core/__init__.py").read_text()), clean=False)
 )
 
 
-def test_core_docstring_names_every_module():
-    """The map of core is the truth about the folder."""
-    assert set(GROUPS) == {path.stem for path in CORE} - {"__init__"} | {"nodes"}
+def test_core_docstring_names_what_is_there():
+    """The map of core is the truth about its folder."""
+    there = {place_of("/" + name_of(path).removesuffix(".py")) for path in CORE}
+    assert set(ROWS) == there - {"__init__"}
 
 
 @pytest.mark.parametrize("path", CORE, ids=name_of)
-def test_core_imports_go_down(path):
-    """A core module imports only core modules of lower groups, and only core modules."""
+def test_core_imports_go_up_the_map(path):
+    """A core module imports what stands above it in the map, or beside it, and nothing else."""
     ours = {name for name in imports_of(path) if name.startswith("/")}
     assert all(name.startswith("/core/") for name in ours), ours
-    if path.stem != "__init__":
-        assert upward_imports(GROUPS, path.stem, ours) == []
+    if path != ROOT / "core" / "__init__.py":
+        place = place_of("/" + name_of(path).removesuffix(".py"))
+        assert upward_imports(ROWS, place, ours) == []
+
+
+def test_core_imports_in_no_circle():
+    """Nor within a folder: what a module needs can be read before it."""
+    graph = {
+        "/" + name_of(path).removesuffix(".py").removesuffix("/__init__"): imports_of(path)
+        for path in CORE
+    }
+    graphlib.TopologicalSorter(graph).prepare()
 
 
 @pytest.mark.parametrize("path", CORE, ids=name_of)
@@ -157,8 +151,10 @@ def test_translators_know_only_cores_data(part):
     files = [path for path in SHIPPED if name_of(path).startswith(part)]
     assert files, f"{part} is gone: change this test"
     for path in files:
-        of_core = {name for name in imports_of(path) if name.startswith("/core")}
-        assert of_core <= {f"/core/{name}" for name in MAY_IMPORT_OF_CORE[part]}, name_of(path)
+        of_core = {name for name in imports_of(path) if name.startswith("/core/")}
+        allowed = MAY_IMPORT_OF_CORE[part]
+        found = {name.removeprefix("/core/") for name in of_core}
+        assert {n for n in found if n not in allowed and place_of(n) not in allowed} == set()
 
 
 def test_addon_never_imports_operators():
@@ -208,10 +204,14 @@ def test_kernels_are_neither_parallel_nor_fastmath(path):
 
 def test_the_checks_above_can_fail():
     """Each finder finds what it is there for."""
-    haar = ROOT / "core" / "haar.py"
+    haar = ROOT / "core" / "wavelets" / "haar.py"
     assert imports_of(haar, "def f():\n    import bpy") == {"bpy"}
-    assert imports_of(haar, "from ..operators import save_film") == {"/operators/save_film"}
-    assert imports_of(haar, "from . import render") == {"/core/render"}
-    assert upward_imports({"haar": 1, "render": 6}, "haar", {"/core/render"}) == ["render"]
-    assert upward_imports({"haar": 1, "film": 1}, "haar", {"/core/film"}) == ["film"]
+    assert imports_of(haar, "from ...operators import save_film") == {"/operators/save_film"}
+    assert imports_of(haar, "from .. import render") == {"/core/render"}
+    assert documented_rows("a\n    bsdf, scene  words\n    no name") == {"bsdf": 1, "scene": 1}
+    rows = {"bsdf": 1, "render": 6}
+    assert upward_imports(rows, "bsdf", {"/core/render", "/core/bsdf/lobes"}) == ["/core/render"]
+    assert upward_imports(rows, "render", {"/core/bsdf/lobes"}) == []
+    with pytest.raises(graphlib.CycleError):
+        graphlib.TopologicalSorter({"a": {"b"}, "b": {"a"}}).prepare()
     assert ("parallel", True) in call_options("kernel(parallel=True)(f)")

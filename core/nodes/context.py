@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..program import SurfaceData
-from ..rows import rows_of
+from ..data.program import SurfaceData
+from ..data.rows import rows_of
 from ..scene import Camera, TriangleMesh
 from .from_camera import footprint_at, from_camera, ray_length_at
 from .places import barycentric_of, in_shape, kernels, tangents_of

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..panorama_places import panorama_places, space_axes
+from ..camera.panorama_places import panorama_places, space_axes
 from .element_info import element_number
 from .values import column, divided, dot, length, normalized, parts, vector
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..rows import any_in_row
+from ..data.rows import any_in_row
 from .hashing import hash_words
 from .values import column, dot, length, normalized
 

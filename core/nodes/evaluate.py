@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..program import Program, Ref, Value
-from ..rows import row_maxima
+from ..data.program import Program, Ref, Value
+from ..data.rows import row_maxima
 from . import (
     arithmetic,
     color,

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..lamps import FALLOFF_STEPS, NEAREST, falloff_knots
-from ..program import Op
+from ..data.lamps import FALLOFF_STEPS, NEAREST, falloff_knots
+from ..data.program import Op
 
 LIGHT_FALLOFF, LIGHT_PATH = "ShaderNodeLightFalloff", "ShaderNodeLightPath"
 INFINITELY_FAR = np.finfo(np.float32).max

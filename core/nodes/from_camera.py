@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..panorama_places import space_axes
+from ..camera.panorama_places import space_axes
 from ..scene import Camera
 
 
@@ -23,7 +23,7 @@ def from_camera(camera: Camera, position: np.ndarray) -> np.ndarray:
 def footprint_at(camera: Camera, place: np.ndarray) -> np.ndarray:
     """float32 (n,), metres that a pixel covers at the places, seen straight on."""
     if camera.kind == "PANORAMIC":
-        from ..panorama import pixel_angle  # a kernel: the exporters load without numba
+        from ..camera.panorama import pixel_angle  # a kernel: the exporters load without numba
 
         distance = np.linalg.norm(place, axis=1)
         return np.maximum(distance * pixel_angle(camera), 1e-6).astype(np.float32)

@@ -12,7 +12,7 @@ _LEAST_FREQUENCY = np.float32(0.001)
 
 def gabor(context, settings, inputs):
     """settings: gabor_type, 2D or 3D"""
-    from .. import gabor as kernels  # the exporters load without numba
+    from ..textures import gabor as kernels  # the exporters load without numba
 
     n = len(context)
     place = noise_place(context, inputs, settings["gabor_type"])

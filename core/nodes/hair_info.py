@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..rows import any_in_row
+from ..data.rows import any_in_row
 from .element_info import element_number
 from .values import as_number, as_vector, column, normalized
 

@@ -17,7 +17,7 @@ def srgb_decode(encoded):
 
 def _looked_up(image, u, v, interpolation, extension):
     """RGBA float32 (n, 4). image: float32 or uint8 (h, w, 4)"""
-    from ..texels import EXTENSIONS, INTERPOLATIONS, look_up  # kernels
+    from ..textures.texels import EXTENSIONS, INTERPOLATIONS, look_up  # kernels
 
     value = np.empty((len(u), 4), np.float32)
     scale = np.float32(1.0 / 255.0 if image.dtype == np.uint8 else 1.0)

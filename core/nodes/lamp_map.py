@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..program import Program, SurfaceData, Value
+from ..data.program import Program, SurfaceData, Value
 from ..scene import Camera
 from .context import ShadeContext
 from .evaluate import Evaluation

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..rows import row_maxima
+from ..data.rows import row_maxima
 from ..scene import GGX, MULTI_GGX, PRINCIPLED, MaterialParams
 from .values import as_number, as_vector, column, dot, normalized
 
@@ -16,7 +16,7 @@ def _albedo(context, distribution, ior, roughness, normal, wo=None, film=None) -
 
     film: (space, thickness, ior) of a ThinFilm on it
     """
-    from ..lobe_setup import setup_lobes  # kernels: the exporters load without numba
+    from ..bsdf.lobe_setup import setup_lobes  # kernels: the exporters load without numba
 
     n = len(context)
     white, black = np.ones((n, 3), np.float32), np.zeros((n, 3), np.float32)
@@ -35,7 +35,7 @@ def _albedo(context, distribution, ior, roughness, normal, wo=None, film=None) -
     wo = context.wo if wo is None else wo
     lobes = setup_lobes(coat, normal, context.geometric_normal, wo)
     if film is not None:
-        from ..thin_film_setup import FilmValues, set_film  # kernels too
+        from ..bsdf.thin_film_setup import FilmValues, set_film  # kernels too
 
         set_film(lobes, coat, np.arange(n), FilmValues(*film, None, None))
     return row_maxima(lobes.glossy_color)
@@ -62,7 +62,7 @@ def under_coat(context, settings, inputs):
 
 def under_sheen(context, settings, inputs):
     """Weight of what lies under the fibres of a Principled BSDF: what they do not reflect."""
-    from ..sheen import microfiber  # kernels: the exporters load without numba
+    from ..bsdf.sheen import microfiber  # kernels: the exporters load without numba
 
     n = len(context)
     normal = as_vector(inputs.get("Normal", context.normal), n)

@@ -1,4 +1,4 @@
-"""Nodes that ask what is around a point (core/near_rays.py): Ambient Occlusion, Bevel.
+"""Nodes that ask what is around a point (core/surfaces/near_rays.py): Ambient Occlusion, Bevel.
 
 Where nobody can answer nothing is near: for shadow rays, and where a surface's light is looked up,
 as in Cycles; for what stands for a material as a whole.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..rows import any_in_row
+from ..data.rows import any_in_row
 from .values import as_number, as_vector, column, normalized
 
 

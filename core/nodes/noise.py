@@ -12,7 +12,7 @@ _FAR = np.float32(1e5)  # beyond, Blender's noise repeats itself
 
 def perlin(p) -> np.ndarray:
     """Signed noise, float32 (n,), of p, float32 (d, n)."""
-    from ..perlin import PERLIN, all_within  # kernels: the exporters load without numba
+    from ..textures.perlin import PERLIN, all_within  # kernels: the exporters load without numba
 
     p = np.ascontiguousarray(p, np.float32)
     if not all_within(p, _FAR):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..rows import any_in_row
+from ..data.rows import any_in_row
 from .values import as_number, as_vector, column, dot, length, normalized, parts
 
 

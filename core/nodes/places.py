@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..rows import any_in_row
+from ..data.rows import any_in_row
 from ..scene import TriangleMesh
 from .values import normalized
 
@@ -36,13 +36,13 @@ def in_shape(pose, mesh: TriangleMesh, triangle):
     """See shapes.shaped_for_nodes, a kernel, which is loaded for what moves alone."""
     if pose is None:
         return mesh, triangle
-    from .. import shapes
+    from ..geometry import shapes
 
     return shapes.shaped_for_nodes(pose, mesh, triangle)
 
 
 def kernels():
     """Kernels: the exporters load without numba."""
-    from .. import element_places
+    from ..geometry import element_places
 
     return element_places

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..program import Program, SurfaceData, Value
+from ..data.program import Program, SurfaceData, Value
 from ..scene import PERSPECTIVE, Camera, TriangleMesh
 from .context import ShadeContext
 from .evaluate import Evaluation

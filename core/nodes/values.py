@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..channels import LUMINANCE as _REC709
-from ..rows import row_means
+from ..data.channels import LUMINANCE as _REC709
+from ..data.rows import row_means
 
 LUMINANCE = _REC709.astype(np.float32)
 

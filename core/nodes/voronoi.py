@@ -21,7 +21,7 @@ def _distance(way, metric, exponent):
 
 def _kernels():
     """The exporters load without numba."""
-    from .. import voronoi_cells
+    from ..textures import voronoi_cells
 
     return voronoi_cells
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..panorama_places import panorama_places, space_axes
-from ..rows import any_in_row
+from ..camera.panorama_places import panorama_places, space_axes
+from ..data.rows import any_in_row
 from .element_info import element_number
 from .values import as_number, column, dot, length, normalized
 
@@ -70,7 +70,7 @@ def _spread_on_plane(context, steps) -> np.ndarray:
 
 def _spread_on_panorama(context, steps) -> np.ndarray:
     """The same of a panorama's directions."""
-    from ..panorama import panorama_directions  # a kernel: the exporters load without numba
+    from ..camera.panorama import panorama_directions  # a kernel: the exporters load without numba
 
     panorama = context.camera.panorama
     own = normalized(context.camera_position) @ space_axes(context.camera)[:3, :3].T

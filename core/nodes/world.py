@@ -87,7 +87,7 @@ def window(context, settings, inputs):
 def environment(context, settings, inputs):
     """An Environment Texture. settings: map (EnvironmentMap), lookup (of that)"""
     # Here and not above: the add-on imports the nodes before numba is known to be there.
-    from ..environment import eval_environment_many
+    from ..light.environment import eval_environment_many
 
     places = as_vector(inputs.get("Vector", context.position), len(context))
     color = np.empty_like(places)

@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from ..program import Op, Program, Ref, Value
+from ..data.program import Op, Program, Ref, Value
 from .evaluate import Evaluation
 from .world import ENVIRONMENT, WorldContext
 
@@ -41,7 +41,7 @@ def reached_ops(program: Program, value: Value) -> dict[int, Op]:
 def ready(program: Program, value: Value) -> Program:
     """The program with the lookups of the images that a value needs."""
     # Here and not above: the add-on imports this before numba is known to be there.
-    from ..environment import make_lookup
+    from ..light.environment import make_lookup
 
     ops = list(program.ops)
     for row, op in reached_ops(program, value).items():

@@ -1,29 +1,20 @@
 """Blender's evaluated scene to core.scene.Scene: after this nothing of bpy is needed.
 
-errors                       what can stop an export
-local_mesh, instances, mesh  evaluated meshes, where they stand, one table of triangles
-culling                      objects that are left out as they are outside of the picture
-adaptive, cage, diced_mesh   meshes that are subdivided as finely as they are seen
-copied                       which instances are not in it, but shown by Embree
-displaced_mesh               that table where materials have moved its vertices
-parts, point_..., strand..., hair_curves, particle_hair, element_values
-                             points and strands: spheres and tubes, and what nodes ask of them
-camera, panorama, lamps,     the other parts of a Scene
-lamp_nodes, lamp_pictures, ies, world
-motion, object_motion,       camera, objects and shapes at other times, where the shutter is open
-changing_shapes, ..._readers
-pixel_motion                 the same for the Vector pass
-material, shader_reader      shader nodes to rows of materials, and to closures of programs
-program_builder, ..._nodes, ..._images, surface_data
-                             value nodes to operations, with all that these look up
-asked, light_groups, aovs    passes on request: mist, mattes, ambient occlusion, groups of lights,
-                             what nodes write
+errors, same, radiance       what can stop an export, equal parts, light that can be rendered
+free_memory, libraries, left_out  what there is room for, and what is told
+cameras                      cameras and panoramas
+images                       texels, as many as are wanted; skies, black bodies, IES files
+meshes                       what an object shows, in its own space: evaluated meshes, diced ones,
+                             points and strands as spheres and tubes, what nodes ask of them
+objects                      what objects say of themselves: rays, links, groups, properties; what
+                             is culled
+shaders                      trees of nodes to rows of materials, closures and programs
+worlds                       a world's tree to a map, or a program over directions
+lamps                        lights to rows, with their nodes and pictures
+placed                       instances and copies, one table of triangles, what programs ask of it
+motion                       camera, objects and shapes at other times; the Vector pass
+asked, aovs                  passes on request: mist, mattes, ambient occlusion, what nodes write
 bake                         triangles of an object for the texels that Blender wants baked
-measured                     materials with a measured BRDF in place of nodes
-movies                       frames of movies that are textures
-texture_size, smooth_texels  images made smaller by Simplify, or finer for cubic interpolation
-live, late_sky               a window's scene, of which only what has changed is read again, and
-                             whose skies are not waited for
 """
 
 from __future__ import annotations
@@ -33,31 +24,31 @@ import dataclasses
 import bpy
 import numpy as np
 
-from ...core.asked_passes import NO_PASSES
-from ...core.emitters import Told, with_emitters
-from ...core.program import Shaders, SurfaceData
+from ...core.data.asked_passes import NO_PASSES
+from ...core.data.program import Shaders, SurfaceData
+from ...core.lamplight.emitters import Told, with_emitters
 from ...core.scene import NO_MEASURED, MeasuredBrdfs, Scene
-from .adaptive import Dicing
 from .aovs import AovExport, export_aovs, no_aovs
 from .asked import occlusion_distance, read_asked
-from .camera import export_camera
-from .copied import Copying
-from .culling import culling_of
-from .displaced_mesh import displaced_geometry
+from .cameras.camera import export_camera
 from .errors import ExportCancelled, ExportError
-from .lamp_pictures import with_pictures
+from .images.texel_cache import TexelCache
+from .images.texture_size import texture_size
+from .lamps.lamp_pictures import with_pictures
 from .libraries import warn_of_missing_libraries
-from .light_groups import rows_of
-from .live import LiveExport
-from .material import MaterialExport, export_shaders
-from .measured import add_measured, without_measured
-from .mesh import ExportCache, MeshExport, export_mesh
-from .node_values import NodeReader
-from .surface_data import surface_data
-from .texel_cache import TexelCache
-from .texture_size import texture_size
-from .world import NO_LIGHT, NO_WORLD, is_in_layer, read_world, world_of
-from .world_picture import LEAST_IN_WINDOW
+from .meshes.adaptive import Dicing
+from .meshes.live import LiveExport
+from .objects.culling import culling_of
+from .objects.light_groups import rows_of
+from .placed.copied import Copying
+from .placed.displaced_mesh import displaced_geometry
+from .placed.mesh import ExportCache, MeshExport, export_mesh
+from .placed.surface_data import surface_data
+from .shaders.material import MaterialExport, export_shaders
+from .shaders.measured import add_measured, without_measured
+from .shaders.node_values import NodeReader
+from .worlds.world import NO_LIGHT, NO_WORLD, is_in_layer, read_world, world_of
+from .worlds.world_picture import LEAST_IN_WINDOW
 
 __all__ = [
     "ExportCache",

@@ -6,16 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.program import Aov, Program, WorldProgram
+from ...core.data.program import Aov, Program, WorldProgram
 from ..passes import aov_layer, wanted_aovs
-from .node_values import NodeReader
-from .program_builder import ProgramBuilder
-from .program_images import ImageStore
-from .seen_tree import seen_tree
-from .texel_cache import TexelCache
-from .world import is_in_layer, world_of
-from .world_builder import WorldBuilder, WorldReader
-from .world_coordinates import CAMERA_RAYS
+from .images.texel_cache import TexelCache
+from .shaders.node_values import NodeReader
+from .shaders.program_builder import ProgramBuilder
+from .shaders.program_images import ImageStore
+from .shaders.seen_tree import seen_tree
+from .worlds.world import is_in_layer, world_of
+from .worlds.world_builder import WorldBuilder, WorldReader
+from .worlds.world_coordinates import CAMERA_RAYS
 
 
 class AovExport(NamedTuple):

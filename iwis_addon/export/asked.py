@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...core.asked_passes import AskedPasses, Matte, Mist, UvMaps, matte_ids
+from ...core.data.asked_passes import AskedPasses, Matte, Mist, UvMaps, matte_ids
 from ..passes import matte_layer, wanted_mattes
-from .light_groups import read_groups
-from .mesh import MeshExport
-from .surface_data import surface_data
-from .world import world_of
+from .objects.light_groups import read_groups
+from .placed.mesh import MeshExport
+from .placed.surface_data import surface_data
+from .worlds.world import world_of
 
 # Cycles' own, of a scene without a world.
 _OCCLUSION_DISTANCE = 10.0

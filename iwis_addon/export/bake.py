@@ -6,12 +6,12 @@ import dataclasses
 
 import numpy as np
 
-from ...core.bake_points import BakePoints
+from ...core.data.bake_points import BakePoints
 from ...core.scene import ORTHOGRAPHIC, Camera, Scene
 from .asked import occlusion_distance, uv_maps
-from .camera import export_camera
+from .cameras.camera import export_camera
 from .errors import ExportError
-from .mesh import MeshExport
+from .placed.mesh import MeshExport
 
 _NOWHERE = Camera(
     kind=ORTHOGRAPHIC,

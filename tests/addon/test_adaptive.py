@@ -6,8 +6,9 @@ import pytest
 from parity.dicing_cases import diced
 from parity.movers import by_keys
 
-from iwis.core import dicing
-from iwis.iwis_addon.export import ExportCache, LiveExport, diced_mesh, export_scene
+from iwis.core.fine_meshes import dicing
+from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene
+from iwis.iwis_addon.export.meshes import diced_mesh
 from iwis.iwis_addon.export.same import same
 from support.frames import exported_in_motion
 

@@ -6,7 +6,7 @@ import pytest
 
 from iwis.core.exr import read_exr_layers
 from iwis.iwis_addon.export import export_scene
-from iwis.iwis_addon.export.program_nodes import HANDLERS
+from iwis.iwis_addon.export.shaders.program_nodes import HANDLERS
 from iwis.iwis_addon.job import RenderJob
 from iwis.operators.save_film import film_layers
 from support.compositor import sockets_by_engine

@@ -6,7 +6,7 @@ import pytest
 
 from iwis.iwis_addon.bake_unsupported import bake_unsupported
 from iwis.iwis_addon.export import export_scene
-from iwis.iwis_addon.export.program_nodes import HANDLERS
+from iwis.iwis_addon.export.shaders.program_nodes import HANDLERS
 
 
 def _material(name, kind="ShaderNodeWavelength", output=0, target="Base Color"):

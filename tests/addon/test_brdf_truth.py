@@ -10,9 +10,9 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.core.lobe_setup import setup_lobes
+from iwis.core.bsdf.lobe_setup import setup_lobes
 from iwis.core.scene import MaterialParams
-from iwis.iwis_addon.export.material import export_materials
+from iwis.iwis_addon.export.shaders.material import export_materials
 from support.brdf_points import reflected, sphere_quadrature
 from support.cycles_render import render_cycles
 

@@ -7,7 +7,7 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from iwis.core.asked_passes import matte_ids
+from iwis.core.data.asked_passes import matte_ids
 from iwis.core.exr import read_exr_layers
 from iwis.iwis_addon.job import RenderJob
 from iwis.iwis_addon.passes import MATTES

@@ -9,10 +9,10 @@ from parity.element_cases import add_points
 from parity.movers import by_keys
 
 from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene
-from iwis.iwis_addon.export.displaced_mesh import _vertex_normals
-from iwis.iwis_addon.export.local_mesh import read_mesh
-from iwis.iwis_addon.export.material import export_shaders
+from iwis.iwis_addon.export.meshes.local_mesh import read_mesh
+from iwis.iwis_addon.export.placed.displaced_mesh import _vertex_normals
 from iwis.iwis_addon.export.same import same
+from iwis.iwis_addon.export.shaders.material import export_shaders
 from support.frames import exported_in_motion
 
 

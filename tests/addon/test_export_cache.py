@@ -4,7 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export import ExportCache, ExportError, free_memory, mesh_size
+from iwis.iwis_addon.export import ExportCache, ExportError, free_memory
+from iwis.iwis_addon.export.meshes import mesh_size
 from support.above import add_materials, add_mesh, add_monkey, look_from_above
 from support.trace_scene import export_as_render
 

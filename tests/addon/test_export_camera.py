@@ -8,7 +8,7 @@ import pytest
 from mathutils import Euler, Matrix, Vector
 
 from iwis.iwis_addon.export import ExportError
-from iwis.iwis_addon.export.camera import border_region, export_camera
+from iwis.iwis_addon.export.cameras.camera import border_region, export_camera
 from support.trace_scene import assert_seen_as_in_cycles, export_as_render
 
 FITS = ("AUTO", "HORIZONTAL", "VERTICAL")

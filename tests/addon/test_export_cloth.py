@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from iwis.core.data.program import Ref
 from iwis.core.nodes.layers import grain
-from iwis.core.program import Ref
 from iwis.core.scene import DIFFUSE, GLOSSY, GLOSSY_TOON, SHEEN, TOON, VELVET_SHEEN
 from support.material_builds import Build, only, program_of
 
@@ -46,7 +46,7 @@ def test_stretched_gloss_has_a_grain_and_no_warning(build, kind, values):
 )
 def test_tangent_node_asks_the_mesh(build, direction, request_of):
     """Generated coordinates, or the tangents of the active UV map."""
-    from iwis.iwis_addon.export.material import export_shaders
+    from iwis.iwis_addon.export.shaders.material import export_shaders
 
     tangent = build.node("ShaderNodeTangent", direction_type=direction)
     links = [("Tangent", tangent.outputs[0])]

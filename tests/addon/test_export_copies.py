@@ -4,11 +4,13 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.core.copied_rows import written_out
+from iwis.core.embree.copied_rows import written_out
 from iwis.core.film import Film
 from iwis.core.render import render
 from iwis.core.settings import RenderSettings
-from iwis.iwis_addon.export import ExportCache, LiveExport, copied, export_scene, object_motion
+from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene
+from iwis.iwis_addon.export.motion import object_motion
+from iwis.iwis_addon.export.placed import copied
 from support.above import add_mesh, look_from_above
 from support.frames import exported_in_motion
 

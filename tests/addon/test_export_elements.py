@@ -6,8 +6,9 @@ import pytest
 from parity.element_cases import add_curves, add_particle_hair, add_points, bent_strands
 
 from iwis.core.scene import ROUND
-from iwis.iwis_addon.export import ExportError, mesh_size
-from iwis.iwis_addon.export.mesh import ExportCache
+from iwis.iwis_addon.export import ExportError
+from iwis.iwis_addon.export.meshes import mesh_size
+from iwis.iwis_addon.export.placed.mesh import ExportCache
 from support.above import add_mesh, look_from_above
 from support.trace_scene import export_as_render, render_diffuse, trace
 

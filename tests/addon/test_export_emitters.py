@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.core.lamps import (
+from iwis.core.data.lamps import (
     MESH,
     falloff_knots,
 )

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.core.lamps import falloff_knots
+from iwis.core.data.lamps import falloff_knots
 from iwis.iwis_addon.export import export_scene
 from support.above import look_from_above
 from support.exported_lamps import exported

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from parity.scene import Tree
 
-from iwis.core.thin_film_tables import ACESCG, GAUSSIANS, REC709
+from iwis.core.bsdf.thin_film_tables import ACESCG, GAUSSIANS, REC709
 from support.cycles_render import render_cycles
 from support.iwis_render import by_pass, render_iwis
 from support.material_builds import Build, only, program_of

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from iwis.core.program import HAIR_BELL_REFLECTION, HAIR_BELL_TRANSMISSION, HAIR_CHIANG, Ref
+from iwis.core.data.program import HAIR_BELL_REFLECTION, HAIR_BELL_TRANSMISSION, HAIR_CHIANG, Ref
 from iwis.core.scene import DIFFUSE, TRANSLUCENT
 from support.material_builds import Build, only, program_of
 
@@ -14,7 +14,7 @@ def build(scene):
 
 
 def _asked(build):
-    from iwis.iwis_addon.export.material import export_shaders
+    from iwis.iwis_addon.export.shaders.material import export_shaders
 
     return export_shaders([build.material], []).requests[0]
 

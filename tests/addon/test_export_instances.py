@@ -8,7 +8,7 @@ from parity.element_cases import add_nodes
 
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
 from iwis.iwis_addon.export import ExportCancelled
-from iwis.iwis_addon.export.mesh import export_mesh
+from iwis.iwis_addon.export.placed.mesh import export_mesh
 from support.above import BENT, QUADS, add_materials, add_mesh, add_monkey, look_from_above
 from support.cycles_render import render_cycles
 from support.trace_scene import assert_seen_as_in_cycles, export_as_render, trace

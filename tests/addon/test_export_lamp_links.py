@@ -7,7 +7,7 @@ import pytest
 from parity.link_cases import collection
 
 from iwis.iwis_addon.export import LiveExport, export_scene
-from iwis.iwis_addon.export.mesh import ExportCache
+from iwis.iwis_addon.export.placed.mesh import ExportCache
 from support.above import look_from_above
 
 NAMES = ("A", "B", "C")

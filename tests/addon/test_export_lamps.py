@@ -1,4 +1,4 @@
-"""export/lamps.py: Blender's lights in Cycles' units, and what is told of them."""
+"""export/lamps/lamps.py: Blender's lights in Cycles' units, and what is told of them."""
 
 import math
 
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import iwis
-from iwis.core.lamps import (
+from iwis.core.data.lamps import (
     BEAM,
     BY_CAMERA,
     BY_DIFFUSE,
@@ -20,7 +20,8 @@ from iwis.core.lamps import (
     SPHERE,
     SUN,
 )
-from iwis.iwis_addon.export import ExportCache, export_scene, lamp_pictures
+from iwis.iwis_addon.export import ExportCache, export_scene
+from iwis.iwis_addon.export.lamps import lamp_pictures
 from support.above import look_from_above
 from support.exported_lamps import dress, exported, nodes_of
 

@@ -4,11 +4,11 @@ import bpy
 import numpy as np
 import pytest
 
+from iwis.core.data.program import Ref
 from iwis.core.nodes.color import blackbody
-from iwis.core.program import Ref
 from iwis.core.scene import BECKMANN, BLACK, DIFFUSE, GGX, GLOSSY, MULTI_GGX, PRINCIPLED
-from iwis.iwis_addon.export.blackbody import blackbody_settings
-from iwis.iwis_addon.export.material import export_materials, export_shaders
+from iwis.iwis_addon.export.images.blackbody import blackbody_settings
+from iwis.iwis_addon.export.shaders.material import export_materials, export_shaders
 from support.material_builds import Build, about, exported, only, program_of
 
 

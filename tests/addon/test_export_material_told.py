@@ -4,7 +4,7 @@ import bpy
 import pytest
 
 from iwis.core.scene import BLACK, DIFFUSE, PRINCIPLED
-from iwis.iwis_addon.export.material import export_materials
+from iwis.iwis_addon.export.shaders.material import export_materials
 from support.material_builds import Build, only, program_of
 
 

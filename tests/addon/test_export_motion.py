@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from iwis.iwis_addon.export import export_scene
-from iwis.iwis_addon.export.motion import export_in_motion, shutter_times
+from iwis.iwis_addon.export.motion.motion import export_in_motion, shutter_times
 from iwis.iwis_addon.job import RenderJob
 from iwis.iwis_addon.session import FinalRender
 from support.frames import engine_of

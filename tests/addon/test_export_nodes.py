@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.program_nodes import HANDLERS, SETTINGS
+from iwis.iwis_addon.export.shaders.program_nodes import HANDLERS, SETTINGS
 from support.material_builds import Build, only
 
 

@@ -8,7 +8,7 @@ import pytest
 from mathutils import Matrix
 
 from iwis.core.scene import PANORAMAS
-from iwis.iwis_addon.export.camera import export_camera
+from iwis.iwis_addon.export.cameras.camera import export_camera
 from support.iwis_render import render_iwis
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from parity.movers import by_armature, by_keys, by_wave
 
-from iwis.iwis_addon.export import ExportCache, changing_shapes, export_scene
+from iwis.iwis_addon.export import ExportCache, export_scene
+from iwis.iwis_addon.export.motion import changing_shapes
 from support.frames import exported_in_motion, objects_of
 
 

@@ -4,11 +4,11 @@ import bpy
 import numpy as np
 import pytest
 
+from iwis.core.data.program import Ref
 from iwis.core.nodes import Evaluation
-from iwis.core.program import Ref
 from iwis.core.scene import DIFFUSE, PRINCIPLED
-from iwis.core.subsurface import LEGACY, SKIN, VAN_DE_HULST
-from iwis.iwis_addon.export.material import export_shaders
+from iwis.core.walks.subsurface import LEGACY, SKIN, VAN_DE_HULST
+from iwis.iwis_addon.export.shaders.material import export_shaders
 from support.material_builds import Build
 
 RANDOM_WALK = VAN_DE_HULST if bpy.app.version >= (5, 2) else LEGACY

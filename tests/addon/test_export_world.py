@@ -4,9 +4,9 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export import sky
-from iwis.iwis_addon.export.program_nodes import HANDLERS
-from iwis.iwis_addon.export.sky import SkyError
+from iwis.iwis_addon.export.images import sky
+from iwis.iwis_addon.export.images.sky import SkyError
+from iwis.iwis_addon.export.shaders.program_nodes import HANDLERS
 from iwis.iwis_addon.world_bake import bake_world
 from support.world_render import (
     RELATIVE,

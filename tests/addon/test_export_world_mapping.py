@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from mathutils import Euler
 
-from iwis.iwis_addon.export.image import srgb_decode, srgb_encode
-from iwis.iwis_addon.export.smooth_texels import finer, smooth_texels
+from iwis.iwis_addon.export.images.image import srgb_decode, srgb_encode
+from iwis.iwis_addon.export.images.smooth_texels import finer, smooth_texels
 from support.world_render import (
     RELATIVE,
     add,

@@ -4,10 +4,10 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.core.backdrop import Backdrop
-from iwis.core.program import WorldProgram
+from iwis.core.data.program import WorldProgram
 from iwis.core.scene import EnvironmentMap
-from iwis.iwis_addon.export import world_picture
+from iwis.core.surfaces.backdrop import Backdrop
+from iwis.iwis_addon.export.worlds import world_picture
 from support.world_render import (
     add,
     cycles_background,

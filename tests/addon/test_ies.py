@@ -6,7 +6,7 @@ import pytest
 
 from iwis.core.nodes.ies import FUNCTIONS, IES
 from iwis.iwis_addon.export import export_scene
-from iwis.iwis_addon.export.ies import IesError, parse_ies
+from iwis.iwis_addon.export.images.ies import IesError, parse_ies
 from support.above import look_from_above
 
 WATTS = 0.0706650768394  # Cycles' own W/sr for a candela

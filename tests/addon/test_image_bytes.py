@@ -4,8 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.image import Room, bytes_of, texels_of
-from iwis.iwis_addon.export.program_images import ImageStore
+from iwis.iwis_addon.export.images.image import Room, bytes_of, texels_of
+from iwis.iwis_addon.export.shaders.program_images import ImageStore
 
 
 def save_png(folder, name="t.png", width=9):

@@ -7,9 +7,11 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene, late_sky, sky
-from iwis.iwis_addon.export.late_sky import LateSkies
-from iwis.iwis_addon.export.sky import SkyError
+from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene
+from iwis.iwis_addon.export.images import sky
+from iwis.iwis_addon.export.images.sky import SkyError
+from iwis.iwis_addon.export.worlds import late_sky
+from iwis.iwis_addon.export.worlds.late_sky import LateSkies
 
 SECONDS = 10.0
 

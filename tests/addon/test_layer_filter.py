@@ -6,7 +6,7 @@ import pytest
 from parity.element_cases import add_curves, add_particle_hair, add_points
 
 from iwis.iwis_addon.export import export_scene
-from iwis.iwis_addon.export.instances import collect_instances
+from iwis.iwis_addon.export.placed.instances import collect_instances
 
 
 @pytest.fixture

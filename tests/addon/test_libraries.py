@@ -4,7 +4,7 @@ import bpy
 import pytest
 
 from iwis.iwis_addon.export.libraries import warn_of_missing_libraries
-from iwis.iwis_addon.export.world import read_world
+from iwis.iwis_addon.export.worlds.world import read_world
 
 
 @pytest.fixture

@@ -4,8 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
+from iwis.core.data.lamps import MESH
 from iwis.core.exr import read_exr_layers
-from iwis.core.lamps import MESH
 from iwis.iwis_addon.export import export_scene
 from iwis.iwis_addon.job import RenderJob
 from iwis.operators.save_film import film_layers

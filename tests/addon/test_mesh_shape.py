@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.mesh_shape import islands, pointiness
+from iwis.iwis_addon.export.meshes.mesh_shape import islands, pointiness
 
 
 def _mesh(positions, faces):

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from iwis.iwis_addon.export import export_scene
-from iwis.iwis_addon.export.program_images import ImageStore
-from iwis.iwis_addon.export.texel_cache import TexelCache
+from iwis.iwis_addon.export.images.texel_cache import TexelCache
+from iwis.iwis_addon.export.shaders.program_images import ImageStore
 from support.above import look_from_above
 from support.movies import write_movie
 

@@ -4,7 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export import sky, world_picture
+from iwis.iwis_addon.export.images import sky
+from iwis.iwis_addon.export.worlds import world_picture
 from support.material_builds import Build, only
 from support.world_render import add, link, new_world, read
 

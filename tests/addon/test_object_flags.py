@@ -1,4 +1,4 @@
-"""export/object_flags.py: of an instance and of a collection, as Cycles has them."""
+"""export/objects/object_flags.py: of an instance and of a collection, as Cycles has them."""
 
 import bpy
 import pytest

@@ -1,10 +1,10 @@
-"""What the Attribute node reads of data-blocks (iwis_addon/export/object_properties.py)."""
+"""What the Attribute node reads of data-blocks (iwis_addon/export/objects/object_properties.py)."""
 
 import bpy
 import pytest
 
-from iwis.iwis_addon.export.instances import collect_instances
-from iwis.iwis_addon.export.object_properties import Asked, blocks_of, rgba_of
+from iwis.iwis_addon.export.objects.object_properties import Asked, blocks_of, rgba_of
+from iwis.iwis_addon.export.placed.instances import collect_instances
 
 NOTHING = (0.0, 0.0, 0.0, 0.0)
 

@@ -1,10 +1,10 @@
-"""How instances were made, as far as a material asks (iwis_addon/export/origins.py)."""
+"""How instances were made, as far as a material asks (iwis_addon/export/objects/origins.py)."""
 
 import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.instances import collect_instances
+from iwis.iwis_addon.export.placed.instances import collect_instances
 
 
 def _ask(kind, **properties):

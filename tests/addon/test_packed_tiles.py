@@ -7,8 +7,8 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.image import ImageError
-from iwis.iwis_addon.export.program_images import ImageStore
+from iwis.iwis_addon.export.images.image import ImageError
+from iwis.iwis_addon.export.shaders.program_images import ImageStore
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.point_spheres import (
+from iwis.iwis_addon.export.meshes.point_spheres import (
     ball,
     count_triangles,
     divisions,

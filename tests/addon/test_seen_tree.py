@@ -6,9 +6,9 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.live import _scene_is_asked
-from iwis.iwis_addon.export.program_nodes import HANDLERS
-from iwis.iwis_addon.export.seen_tree import name_of, seen_tree
+from iwis.iwis_addon.export.meshes.live import _scene_is_asked
+from iwis.iwis_addon.export.shaders.program_nodes import HANDLERS
+from iwis.iwis_addon.export.shaders.seen_tree import name_of, seen_tree
 from iwis.iwis_addon.unsupported import unsupported_of
 from support.material_builds import Build, only
 

@@ -4,7 +4,7 @@ import numpy as np
 from parity.element_cases import add_curves, add_particle_hair, add_points, bent_strands
 from parity.movers import by_keys, lean, with_velocity
 
-from iwis.iwis_addon.export.strand_tubes import Strands, choose_shape
+from iwis.iwis_addon.export.meshes.strand_tubes import Strands, choose_shape
 from support.frames import exported_in_motion, objects_of
 
 

@@ -1,4 +1,4 @@
-"""export/culling.py, texture_size.py: what Simplify leaves out, and how small it makes images.
+"""culling.py, texture_size.py: what Simplify leaves out, and how small it makes images.
 
 tests/parity has pictures beside Cycles'.
 """
@@ -7,11 +7,11 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.core.program import ImageTiles
+from iwis.core.data.program import ImageTiles
 from iwis.iwis_addon.export import ExportCache, export_scene
-from iwis.iwis_addon.export.image import Texels
-from iwis.iwis_addon.export.texel_cache import TexelCache
-from iwis.iwis_addon.export.texture_size import (
+from iwis.iwis_addon.export.images.image import Texels
+from iwis.iwis_addon.export.images.texel_cache import TexelCache
+from iwis.iwis_addon.export.images.texture_size import (
     WHOLE,
     TextureSize,
     smaller_texels,

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from iwis.core.triangle_pairs import paired
+from iwis.core.embree.triangle_pairs import paired
 from iwis.iwis_addon.export.errors import ExportError
-from iwis.iwis_addon.export.mesh_size import check_made
-from iwis.iwis_addon.export.strand_tubes import (
+from iwis.iwis_addon.export.meshes.mesh_size import check_made
+from iwis.iwis_addon.export.meshes.strand_tubes import (
     Shape,
     Strands,
     choose_shape,

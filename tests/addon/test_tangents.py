@@ -1,10 +1,10 @@
-"""Tangents at the corners of triangles (iwis_addon/export/tangents.py)."""
+"""Tangents at the corners of triangles (iwis_addon/export/meshes/tangents.py)."""
 
 import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.tangents import uv_tangents
+from iwis.iwis_addon.export.meshes.tangents import uv_tangents
 
 
 def _corners(mesh):

@@ -6,8 +6,9 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export import ExportCache, texel_cache
-from iwis.iwis_addon.export.world import read_world
+from iwis.iwis_addon.export import ExportCache
+from iwis.iwis_addon.export.images import texel_cache
+from iwis.iwis_addon.export.worlds.world import read_world
 from support.world_render import add, new_image, new_world, save_image, some_texels, textured_world
 
 

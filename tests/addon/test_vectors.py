@@ -8,7 +8,7 @@ import pytest
 
 from iwis.core.exr import read_exr_layers
 from iwis.iwis_addon.export import export_scene
-from iwis.iwis_addon.export.pixel_motion import export_with_vectors, wants_vectors
+from iwis.iwis_addon.export.motion.pixel_motion import export_with_vectors, wants_vectors
 from support.compositor import sockets_by_engine
 from support.cycles_render import use_cycles
 from support.frames import engine_of

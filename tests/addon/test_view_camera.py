@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.camera import export_camera
+from iwis.iwis_addon.export.cameras.camera import export_camera
 from iwis.iwis_addon.export.same import same
 from iwis.iwis_addon.view_camera import view_camera
 

@@ -2,7 +2,7 @@
 
 import time
 
-from iwis.core.denoise import Denoising
+from iwis.core.denoising.denoise import Denoising
 from iwis.core.settings import DenoiseSettings, RenderSettings
 from iwis.iwis_addon.denoiser import find_library
 from iwis.iwis_addon.view_thread import ViewThread

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from iwis.core.backdrop import Backdrop
 from iwis.core.scene import EQUIRECTANGULAR
-from iwis.iwis_addon.export import ExportCache, ExportCancelled, world_picture
+from iwis.core.surfaces.backdrop import Backdrop
+from iwis.iwis_addon.export import ExportCache, ExportCancelled
+from iwis.iwis_addon.export.worlds import world_picture
 from support.world_render import (
     add,
     link,

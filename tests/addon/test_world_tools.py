@@ -6,7 +6,7 @@ import pytest
 
 from iwis.core.settings import RenderSettings
 from iwis.iwis_addon.cycles_settings import compare, copy_cycles_settings
-from iwis.iwis_addon.export.world import read_world
+from iwis.iwis_addon.export.worlds.world import read_world
 from iwis.iwis_addon.false_color import false_color, scale_of
 from iwis.iwis_addon.images import put_image
 from iwis.iwis_addon.job import RenderJob

@@ -1,11 +1,11 @@
-"""core/accel.py: Embree finds what a loop over all triangles finds."""
+"""core/embree/accel.py: Embree finds what a loop over all triangles finds."""
 
 import threading
 
 import numpy as np
 import pytest
 
-from iwis.core.accel import MISS, Accel, ray_offset
+from iwis.core.embree.accel import MISS, Accel, ray_offset
 from support.naive import hits_triangles
 from support.scenes import box, floor, make_mesh, quad, sphere
 

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.program import Closure, Program
+from iwis.core.data.program import Closure, Program
 from iwis.core.scene import BLACK, GGX
 from support.programs import with_programs
 from support.scenes import camera_at, constant_world, diffuse, floor, make_picture, make_scene

@@ -1,11 +1,11 @@
-"""The ambient-occlusion pass (core/ambient_occlusion.py)."""
+"""The ambient-occlusion pass (core/passes/ambient_occlusion.py)."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-from iwis.core.asked_passes import AskedPasses
+from iwis.core.data.asked_passes import AskedPasses
 from support.scenes import camera_at, constant_world, diffuse, floor, make_picture, make_scene, quad
 
 FILTERS = ("CENTER", "BOX")

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from iwis.core.bake import LIT, UNLIT, Wish, bake
-from iwis.core.bake_points import BakePoints
-from iwis.core.bake_rays import bake_hits, bake_rays
+from iwis.core.camera.bake_rays import bake_hits, bake_rays
+from iwis.core.data.bake_points import BakePoints
+from iwis.core.data.lamps import SPHERE, make_lamps
 from iwis.core.film import Film
-from iwis.core.lamps import SPHERE, make_lamps
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_RAYS
 from iwis.core.settings import RenderSettings
 from support import scenes

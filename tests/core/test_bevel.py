@@ -1,14 +1,14 @@
-"""Normals as those of rounded edges (core/bevel.py), beside integrals over the surfaces."""
+"""Normals as those of rounded edges (bevel.py), beside integrals over the surfaces."""
 
 import numpy as np
 import pytest
 
-from iwis.core.accel import Accel
-from iwis.core.bevel import _radius_of, rounded_normals
+from iwis.core.embree.accel import Accel
+from iwis.core.geometry.shading import ShadingPoints
 from iwis.core.nodes import ShadeContext
 from iwis.core.nodes.near import bevel
-from iwis.core.sequence import PixelSequence, sobol_points
-from iwis.core.shading import ShadingPoints
+from iwis.core.surfaces.bevel import _radius_of, rounded_normals
+from iwis.core.unit_square.sequence import PixelSequence, sobol_points
 from support.programs import with_programs
 from support.scenes import black, box, camera_above, constant_world, join_parts, make_scene
 

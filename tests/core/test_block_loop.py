@@ -1,12 +1,12 @@
-"""core/block_loop.py: one kernel does what incremental.continue_points does ray by ray."""
+"""core/sampling/block_loop.py: one kernel does what incremental.continue_points does ray by ray."""
 
 import numpy as np
 import pytest
 
-from iwis.core.center_tile import CenterTile
-from iwis.core.filtered_tile import FilteredTile
-from iwis.core.guide import new_guides
-from iwis.core.tile_job import Rect
+from iwis.core.products.guide import new_guides
+from iwis.core.tiles.center_tile import CenterTile
+from iwis.core.tiles.filtered_tile import FilteredTile
+from iwis.core.tiles.tile_job import Rect
 from support.scenes import make_job, one_texel_world, varied_scene
 
 WHOLE = Rect(0, 0, 40, 28)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.brdf import pdf_narrowest_at, sample_narrowest_at
-from iwis.core.lobes_at import lobes_at
+from iwis.core.bsdf.brdf import pdf_narrowest_at, sample_narrowest_at
+from iwis.core.bsdf.lobes_at import lobes_at
 from iwis.core.scene import BECKMANN, BLACK, DIFFUSE, GGX, GLOSSY, MULTI_GGX
 from support.brdf_points import (
     densities,

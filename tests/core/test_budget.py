@@ -1,4 +1,4 @@
-"""core/budget.py, sample_plan.py, pace.py: a budget is used up, shared out as by PERCEPTUAL."""
+"""budget.py, sample_plan.py, pace.py: a budget is used up, shared out as by PERCEPTUAL."""
 
 import threading
 import time
@@ -6,11 +6,14 @@ import time
 import numpy as np
 import pytest
 
-from iwis.core.budget import _part_of
 from iwis.core.film import Film
-from iwis.core.pace import Cost, Pace, StageWatch
+from iwis.core.machine.pace import Cost, Pace, StageWatch
+from iwis.core.machine.tile_pool import run_pool
+from iwis.core.machine.watch import StopFlag
 from iwis.core.render import render
-from iwis.core.sample_plan import (
+from iwis.core.settings import RenderSettings
+from iwis.core.tiles.budget import _part_of
+from iwis.core.tiles.sample_plan import (
     WHOLE_SHARE,
     Demand,
     dither_of,
@@ -18,9 +21,6 @@ from iwis.core.sample_plan import (
     powers,
     typical_for_rays,
 )
-from iwis.core.settings import RenderSettings
-from iwis.core.tile_pool import run_pool
-from iwis.core.watch import StopFlag
 from support.scenes import make_picture, varied_scene
 
 FILTERS = pytest.mark.parametrize("pixel_filter", ["CENTER", "BLACKMAN_HARRIS"])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.bump import bump_gain, turns
+from iwis.core.bsdf.bump import bump_gain, turns
 
 
 class _At(NamedTuple):

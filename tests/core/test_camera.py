@@ -1,11 +1,11 @@
-"""core/camera.py: rays go through pixel centres. (tests/addon compares with Cycles' cameras.)"""
+"""camera.py: rays go through pixel centres. (tests/addon compares with Cycles' cameras.)"""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-from iwis.core.camera import camera_rays, rays_through, shutter_times, view_depth
+from iwis.core.camera.camera import camera_rays, rays_through, shutter_times, view_depth
 from iwis.core.scene import CameraMotion
 from support.scenes import camera_above, camera_at
 

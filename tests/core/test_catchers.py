@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.emitters import with_emitters
-from iwis.core.lamps import NO_LAMPS, SPHERE, make_lamps
+from iwis.core.data.lamps import NO_LAMPS, SPHERE, make_lamps
+from iwis.core.lamplight.emitters import with_emitters
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
 from support.scenes import (
     box,

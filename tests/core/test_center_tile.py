@@ -1,11 +1,11 @@
-"""core/center_tile.py: the work at a tile can pause, and asks no neighbour that may be missing."""
+"""center_tile.py: the work at a tile can pause, and asks no neighbour that may be missing."""
 
 import numpy as np
 import pytest
 
-from iwis.core.center_tile import CenterTile, whole_cells
 from iwis.core.film import LAYERS
-from iwis.core.tile_job import Rect
+from iwis.core.tiles.center_tile import CenterTile, whole_cells
+from iwis.core.tiles.tile_job import Rect
 from support.scenes import camera_above, make_job, make_picture, varied_scene
 
 RULES = pytest.mark.parametrize("rule", ["FIXED", "PAPER", "PERCEPTUAL"])

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-import iwis.core.ray_masks as ray_masks
-from iwis.core.program import Closure, Program
+import iwis.core.see_through.ray_masks as ray_masks
+from iwis.core.data.program import Closure, Program
 from iwis.core.scene import BLACK, GGX, ROUND
 from support.programs import with_programs
 from support.scenes import (

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.embree_rays import ALL_COLORS, occluded_block
-from iwis.core.lamps import SUN, make_lamps
-from iwis.core.program import Closure, Program
+from iwis.core.data.lamps import SUN, make_lamps
+from iwis.core.data.program import Closure, Program
+from iwis.core.embree.embree_rays import ALL_COLORS, occluded_block
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import BLACK, CAMERA_RAYS, GGX, SHADOW_RAYS
 from support.programs import with_programs

@@ -7,17 +7,20 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from iwis.core import _jit, compile_apart
-from iwis.core.block_loop import continue_blocks
-from iwis.core.early_kernels import smallest_scene
+from iwis.core import _jit
 from iwis.core.film import Film
-from iwis.core.loop_types import loop_signature
+from iwis.core.machine import compile_apart
 from iwis.core.render import render
+from iwis.core.sampling.block_loop import continue_blocks
+from iwis.core.sampling.loop_types import loop_signature
 from iwis.core.settings import PIXEL_FILTERS, RenderSettings
+from iwis.core.tiles.early_kernels import smallest_scene
 
 _GUEST = """
 import numba
-from iwis.core import _jit, compile_apart, pyramid
+from iwis.core import _jit
+from iwis.core.light import pyramid
+from iwis.core.machine import compile_apart
 compile_apart._can_run = lambda: True
 kernel, signature = pyramid.morton_to_row_column, (numba.int64,)
 assert not kernel.is_kept(signature)
@@ -119,7 +122,8 @@ def test_no_second_process_without_a_second_core(alone, monkeypatch):
 
 def test_it_ends_with_the_process_that_asked():
     """Its standard input is closed then."""
-    ends = "import sys, threading, time; from iwis.core.compile_apart import _end_with as end\n"
+    ends = "import sys, threading, time\n"
+    ends += "from iwis.core.machine.compile_apart import _end_with as end\n"
     ends += "threading.Thread(target=end, args=(sys.stdin.buffer,), daemon=True).start()\n"
     ends += "time.sleep(600)"
     done = subprocess.run([sys.executable, "-c", ends], input=b"", env=_environment(), timeout=100)

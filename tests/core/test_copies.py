@@ -6,19 +6,19 @@ import threading
 import numpy as np
 import pytest
 
-from iwis.core.coarse_pictures import Pace
-from iwis.core.copied_accel import CopiedAccel
-from iwis.core.copied_rows import CopiedRows, written_out
-from iwis.core.copies import Copies
-from iwis.core.embree_instances import can_copy
-from iwis.core.moving_copies import MovingCopies
-from iwis.core.object_motion import ObjectMotion
-from iwis.core.pixel_view import look_at_pixel
-from iwis.core.progressive import render_progressive
+from iwis.core.data.copies import Copies
+from iwis.core.data.object_motion import ObjectMotion
+from iwis.core.embree.copied_accel import CopiedAccel
+from iwis.core.embree.copied_rows import CopiedRows, written_out
+from iwis.core.embree.embree_instances import can_copy
+from iwis.core.embree.moving_copies import MovingCopies
+from iwis.core.machine.watch import StopFlag
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import CAMERA_RAYS, SHADOW_RAYS
 from iwis.core.settings import RenderSettings
-from iwis.core.watch import StopFlag
+from iwis.core.windows.coarse_pictures import Pace
+from iwis.core.windows.pixel_view import look_at_pixel
+from iwis.core.windows.progressive import render_progressive
 from support.scenes import (
     box,
     camera_at,

@@ -5,13 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-import iwis.core.ray_masks as ray_masks
-from iwis.core.accel import Accel
-from iwis.core.embree_filter import Opacity
-from iwis.core.opacity import bake_opacity
-from iwis.core.program import Closure, Op, Program, Ref
+import iwis.core.see_through.ray_masks as ray_masks
+from iwis.core.data.program import Closure, Op, Program, Ref
+from iwis.core.embree.accel import Accel
+from iwis.core.embree.embree_filter import Opacity
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import CAMERA_RAYS, DIFFUSE, GGX, SHADOW_CATCHER, SHADOW_RAYS
+from iwis.core.see_through.opacity import bake_opacity
 from support.programs import TINT, pane, with_programs
 from support.scenes import (
     camera_at,

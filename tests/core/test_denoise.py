@@ -1,4 +1,4 @@
-"""core/oidn.py, denoise.py, denoised_render.py: the noise goes, everything else stays as it was."""
+"""oidn.py, denoise.py, denoised_render.py: the noise goes, everything else stays as it was."""
 
 import ctypes.util
 import dataclasses
@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from iwis.core import denoised_render
-from iwis.core.denoise import (
+from iwis.core.data.program import Program
+from iwis.core.denoised_render import render_denoised
+from iwis.core.denoising.denoise import (
     DATA_LAYERS,
     NOISY,
     Denoising,
@@ -19,10 +21,8 @@ from iwis.core.denoise import (
     denoise_apart,
     prepared,
 )
-from iwis.core.denoised_render import render_denoised
+from iwis.core.denoising.oidn import Device, as_image, load_library
 from iwis.core.film import LAYERS, NO_DEPTH, Film
-from iwis.core.oidn import Device, as_image, load_library
-from iwis.core.program import Program
 from iwis.core.render import render
 from iwis.core.scene import Lens
 from iwis.core.settings import DenoiseSettings, RenderSettings

@@ -1,4 +1,4 @@
-"""core/develop.py: what each layer of a picture holds."""
+"""core/passes/develop.py: what each layer of a picture holds."""
 
 import dataclasses
 

@@ -5,13 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.bezier_patches import flat_patches, smooth_patches
-from iwis.core.dicing import Patches, split_patches
-from iwis.core.dicing_view import camera_view, own_space
-from iwis.core.micropolygons import make_micropolygons
-from iwis.core.patch_values import at_corners, at_vertices, evaluate
+from iwis.core.fine_meshes.bezier_patches import flat_patches, smooth_patches
+from iwis.core.fine_meshes.dicing import Patches, split_patches
+from iwis.core.fine_meshes.dicing_view import camera_view, own_space
+from iwis.core.fine_meshes.micropolygons import make_micropolygons
+from iwis.core.fine_meshes.patch_values import at_corners, at_vertices, evaluate
+from iwis.core.fine_meshes.subdivision import refined, with_sharp_corners
 from iwis.core.scene import Camera
-from iwis.core.subdivision import refined, with_sharp_corners
 from support.control_meshes import cube, grid, quads_of
 
 _MANY = 10**8

@@ -1,13 +1,13 @@
-"""Vertices moved by materials (core/displacement.py), and bumps that look at what they were."""
+"""Vertices moved by materials (displacement.py), and bumps that look at what they were."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-from iwis.core.displacement import Asked, Copied, Movable, displaced
+from iwis.core.data.program import AtRest, Displacement, Op, Program, Ref, SurfaceData
+from iwis.core.fine_meshes.displacement import Asked, Copied, Movable, displaced
 from iwis.core.nodes import Evaluation, ShadeContext, surface_evaluation
-from iwis.core.program import AtRest, Displacement, Op, Program, Ref, SurfaceData
 from iwis.core.scene import TriangleMesh
 from support.scenes import camera_above
 

@@ -4,11 +4,11 @@ import threading
 
 import pytest
 
-from iwis.core import early_kernels
-from iwis.core.early_kernels import read_early, smallest_scene
 from iwis.core.film import Film
 from iwis.core.render import render
 from iwis.core.settings import PIXEL_FILTERS, STOP_RULES, RenderSettings
+from iwis.core.tiles import early_kernels
+from iwis.core.tiles.early_kernels import read_early, smallest_scene
 
 
 @pytest.fixture

@@ -9,13 +9,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.accel import Accel, aside_of, ray_offset
-from iwis.core.embree import EmbreeScene
-from iwis.core.embree_filter import Opacity
-from iwis.core.embree_rays import occluded_block
-from iwis.core.lanes import DIFFUSE, DX, LANES, OX, new_lanes
-from iwis.core.trace_lanes import trace_lanes
-from iwis.core.triangle_pairs import paired
+from iwis.core.embree.accel import Accel, aside_of, ray_offset
+from iwis.core.embree.embree import EmbreeScene
+from iwis.core.embree.embree_filter import Opacity
+from iwis.core.embree.embree_rays import occluded_block
+from iwis.core.embree.triangle_pairs import paired
+from iwis.core.machine.lanes import DIFFUSE, DX, LANES, OX, new_lanes
+from iwis.core.sampling.trace_lanes import trace_lanes
 from support.scenes import (
     camera_at,
     constant_world,

@@ -1,9 +1,9 @@
-"""core/element_places.py: where points are on triangles, and in the space of their objects."""
+"""element_places.py: where points are on triangles, and in the space of their objects."""
 
 import numpy as np
 import pytest
 
-from iwis.core import element_places
+from iwis.core.geometry import element_places
 
 N = 200
 

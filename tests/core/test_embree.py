@@ -1,4 +1,4 @@
-"""core/embree.py and embree_rays.py: builds that can be stopped, rays from within kernels."""
+"""embree.py and embree_rays.py: builds that can be stopped, rays from within kernels."""
 
 import ctypes
 import gc
@@ -12,12 +12,12 @@ import weakref
 import numpy as np
 import pytest
 
-import iwis.core.embree as embree_module
+import iwis.core.embree.embree as embree_module
 from iwis.core._jit import kernel
-from iwis.core.accel import Accel, EmbreexScene
-from iwis.core.embree import EmbreeScene, load_library
-from iwis.core.embree_rays import blocked_one, occluded_block
-from iwis.core.watch import Cancelled
+from iwis.core.embree.accel import Accel, EmbreexScene
+from iwis.core.embree.embree import EmbreeScene, load_library
+from iwis.core.embree.embree_rays import blocked_one, occluded_block
+from iwis.core.machine.watch import Cancelled
 from support.scenes import floor, make_mesh, sphere
 
 

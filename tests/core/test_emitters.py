@@ -1,15 +1,15 @@
-"""core/emitters.py, core/lamp_meshes.py: faces that shine light other surfaces as area lamps do."""
+"""emitters.py, lamp_meshes.py: faces that shine light other surfaces as area lamps do."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-from iwis.core.closed_meshes import hidden_sides
-from iwis.core.emitter_tree import face_nodes
-from iwis.core.emitters import with_emitters
-from iwis.core.lamp_meshes import sample_mesh
-from iwis.core.lamps import BLOCK, MESH, NO_LAMPS, RECTANGLE
+from iwis.core.data.lamps import BLOCK, MESH, NO_LAMPS, RECTANGLE
+from iwis.core.geometry.closed_meshes import hidden_sides
+from iwis.core.lamplight.emitter_tree import face_nodes
+from iwis.core.lamplight.emitters import with_emitters
+from iwis.core.lamplight.lamp_meshes import sample_mesh
 from iwis.core.scene import TriangleMesh
 from support.lamp_points import sampled
 from support.scenes import box, diffuse, glossy, join_parts, principled, quad

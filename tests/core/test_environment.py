@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.environment import (
+from iwis.core.light.environment import (
     eval_environment,
     eval_environment_many,
     fast_atan2,

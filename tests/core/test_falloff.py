@@ -1,12 +1,11 @@
-"""core/lamp_falloff.py, nodes/falloff.py: light that changes with the distance that it goes."""
+"""lamp_falloff.py, nodes/falloff.py: light that changes with the distance that it goes."""
 
 import types
 
 import numpy as np
 import pytest
 
-from iwis.core.lamp_falloff import falloff_at
-from iwis.core.lamps import (
+from iwis.core.data.lamps import (
     BEAM,
     DISC,
     FALLOFF_ROWS,
@@ -16,6 +15,7 @@ from iwis.core.lamps import (
     falloff_knots,
     make_lamps,
 )
+from iwis.core.lamplight.lamp_falloff import falloff_at
 from iwis.core.nodes.falloff import INFINITELY_FAR, falloff_of, light_falloff
 from support.lamp_points import sampled
 from support.lamp_rows import area

@@ -1,17 +1,17 @@
-"""core/filtered_tile.py where the lens blurs: enough passes, shared decisions, no dark holes."""
+"""filtered_tile.py where the lens blurs: enough passes, shared decisions, no dark holes."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-from iwis.core import silhouettes
-from iwis.core.filtered_tile import FilteredTile
-from iwis.core.pass_rays import samples_of_a_pass
-from iwis.core.pass_sums import cell_spreads
+from iwis.core.camera import silhouettes
+from iwis.core.camera.pass_rays import samples_of_a_pass
+from iwis.core.passes.pass_sums import cell_spreads
 from iwis.core.scene import CameraMotion, Lens, Panorama
 from iwis.core.settings import RenderSettings
-from iwis.core.tile_job import Rect
+from iwis.core.tiles.filtered_tile import FilteredTile
+from iwis.core.tiles.tile_job import Rect
 from support.scenes import (
     black,
     camera_above,

@@ -1,4 +1,4 @@
-"""core/filtered_tile.py: pictures whose pixels average several shading points."""
+"""core/tiles/filtered_tile.py: pictures whose pixels average several shading points."""
 
 import dataclasses
 import math
@@ -6,12 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from iwis.core import pass_plan
+from iwis.core.camera.pass_rays import PILOT, samples_of_a_pass
 from iwis.core.film import LAYERS
-from iwis.core.filtered_tile import FilteredTile
-from iwis.core.pass_rays import PILOT, samples_of_a_pass
 from iwis.core.settings import RenderSettings
-from iwis.core.tile_job import Rect
+from iwis.core.tiles import pass_plan
+from iwis.core.tiles.filtered_tile import FilteredTile
+from iwis.core.tiles.tile_job import Rect
 from support.scenes import (
     black,
     camera_above,

@@ -1,9 +1,9 @@
-"""Gabor noise (core/gabor.py); its values beside Cycles' are in parity/texture_cases.py."""
+"""Gabor noise (gabor.py); its values beside Cycles' are in parity/texture_cases.py."""
 
 import numpy as np
 import pytest
 
-from iwis.core.gabor import IMPULSES, gabor_2d, gabor_3d
+from iwis.core.textures.gabor import IMPULSES, gabor_2d, gabor_3d
 
 N = 4000
 

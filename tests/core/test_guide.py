@@ -1,10 +1,10 @@
-"""core/guide.py: what shadow rays teach the samples after them."""
+"""core/products/guide.py: what shadow rays teach the samples after them."""
 
 import numpy as np
 import pytest
 
-from iwis.core.center_tile import CenterTile
-from iwis.core.guide import (
+from iwis.core.machine.lanes import new_lanes
+from iwis.core.products.guide import (
     learn,
     new_guide_room,
     new_guides,
@@ -12,9 +12,9 @@ from iwis.core.guide import (
     note_rays,
     scale_product,
 )
-from iwis.core.lanes import new_lanes
-from iwis.core.product import BASE_BEGIN, BLOCK_BEGIN
-from iwis.core.tile_job import Rect
+from iwis.core.products.product import BASE_BEGIN, BLOCK_BEGIN
+from iwis.core.tiles.center_tile import CenterTile
+from iwis.core.tiles.tile_job import Rect
 from support.scenes import (
     box,
     camera_above,

@@ -1,9 +1,9 @@
-"""core/haar.py: the transform is the orthonormal one, there and back."""
+"""core/wavelets/haar.py: the transform is the orthonormal one, there and back."""
 
 import numpy as np
 import pytest
 
-from iwis.core.haar import forward, inverse, truncated
+from iwis.core.wavelets.haar import forward, inverse, truncated
 from support.naive import haar_basis
 
 

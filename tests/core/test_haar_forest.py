@@ -1,10 +1,10 @@
-"""core/haar_forest.py: a forest is its slices' largest coefficients, and nothing else."""
+"""core/wavelets/haar_forest.py: a forest is its slices' largest coefficients, and nothing else."""
 
 import numpy as np
 import pytest
 
-from iwis.core.haar import forward, inverse, truncated
-from iwis.core.haar_forest import HaarForest, build_forest, join_forests
+from iwis.core.wavelets.haar import forward, inverse, truncated
+from iwis.core.wavelets.haar_forest import HaarForest, build_forest, join_forests
 from support.naive import forest_grid, haar_basis
 
 SIDE = 16

@@ -1,11 +1,11 @@
-"""core/haar_product.py: the product of two sparse series equals the product of their grids."""
+"""haar_product.py: the product of two sparse series equals the product of their grids."""
 
 import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.haar_forest import build_forest
-from iwis.core.haar_product import (
+from iwis.core.wavelets.haar_forest import build_forest
+from iwis.core.wavelets.haar_product import (
     MAX_COMMON,
     ProductTrees,
     build_product_tree,

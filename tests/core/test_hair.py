@@ -1,16 +1,16 @@
-"""Strands of hair: core/hair.py, hair_frame.py, hair_cells.py, hair_setup.py, round_points.py."""
+"""Strands of hair: hair.py, hair_frame.py, hair_cells.py, hair_setup.py, round_points.py."""
 
 import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.hair import ray_start
-from iwis.core.hair_setup import HairValues, set_hair, set_starts
-from iwis.core.lobes_at import lobes_at
+from iwis.core.bsdf.hair import ray_start
+from iwis.core.bsdf.hair_setup import HairValues, set_hair, set_starts
+from iwis.core.bsdf.lobes_at import lobes_at
+from iwis.core.bsdf.sheen import diffuse_colors
+from iwis.core.data.program import HAIR_BELL_REFLECTION, HAIR_BELL_TRANSMISSION, HAIR_CHIANG
+from iwis.core.geometry.round_points import Circles, circles, normals_of_strands
 from iwis.core.nodes.hair_info import hair_pigment
-from iwis.core.program import HAIR_BELL_REFLECTION, HAIR_BELL_TRANSMISSION, HAIR_CHIANG
-from iwis.core.round_points import Circles, circles, normals_of_strands
-from iwis.core.sheen import diffuse_colors
 from support.brdf_points import evaluated, sphere_quadrature
 from support.scenes import constant_world, diffuse
 from support.strands import cone_mesh

@@ -1,14 +1,14 @@
-"""A strand lit from all round: core/hair_samples.py, and its part of hair.py and hair_cells.py."""
+"""A strand lit from all round: hair_samples.py, and its part of hair.py and hair_cells.py."""
 
 import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.hair import ALL_ROUND, LAMPS_ALONE, chiang_at, eval_strand
-from iwis.core.hair_samples import pdf_strand, sample_strand, shares_of
-from iwis.core.hair_setup import HairValues, has_world, set_hair
-from iwis.core.lobes_at import lobes_at
-from iwis.core.program import HAIR_BELL_REFLECTION, HAIR_BELL_TRANSMISSION, HAIR_CHIANG
+from iwis.core.bsdf.hair import ALL_ROUND, LAMPS_ALONE, chiang_at, eval_strand
+from iwis.core.bsdf.hair_samples import pdf_strand, sample_strand, shares_of
+from iwis.core.bsdf.hair_setup import HairValues, has_world, set_hair
+from iwis.core.bsdf.lobes_at import lobes_at
+from iwis.core.data.program import HAIR_BELL_REFLECTION, HAIR_BELL_TRANSMISSION, HAIR_CHIANG
 from support.brdf_points import evaluated, sphere_quadrature
 from support.chi2 import chi2_p_value
 from support.scenes import constant_world, diffuse

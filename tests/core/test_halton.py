@@ -1,9 +1,14 @@
-"""core/halton.py: the points are Halton's, and pixels get numbers of their own."""
+"""core/unit_square/halton.py: the points are Halton's, and pixels get numbers of their own."""
 
 import numpy as np
 import pytest
 
-from iwis.core.halton import halton_table, hash_pixel, radical_inverse_2, radical_inverse_3
+from iwis.core.unit_square.halton import (
+    halton_table,
+    hash_pixel,
+    radical_inverse_2,
+    radical_inverse_3,
+)
 from support.naive import radical_inverse
 from support.statistics import chi2_p_value, sidak
 

@@ -1,11 +1,11 @@
-"""core/incremental.py: the paper's loop stops when it should and counts what it saw."""
+"""core/sampling/incremental.py: the paper's loop stops when it should and counts what it saw."""
 
 import numpy as np
 import pytest
 
-from iwis.core.incremental import sample_points
+from iwis.core.sampling.incremental import sample_points
+from iwis.core.sampling.stop_rule import relative_error
 from iwis.core.settings import RenderSettings
-from iwis.core.stop_rule import relative_error
 from support.scenes import make_picture, varied_scene
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from iwis.core.islands import island_roots
+from iwis.core.geometry.islands import island_roots
 
 
 def test_vertices_that_edges_join_have_one_root():

@@ -123,7 +123,7 @@ _ONE_OF_MANY = """
 import sys, time
 from pathlib import Path
 import numpy as np
-from iwis.core.halton import halton_table
+from iwis.core.unit_square.halton import halton_table
 Path(sys.argv[1], sys.argv[2]).touch()
 while not Path(sys.argv[1], "go").exists():
     time.sleep(0.001)

@@ -1,12 +1,12 @@
-"""core/lamp_choice.py: of many lamps a point takes those that bring it most."""
+"""core/lamplight/lamp_choice.py: of many lamps a point takes those that bring it most."""
 
 import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.lamp_choice import ALL_LAMPS, powers_of, share_out
-from iwis.core.lamps import RECTANGLE, SPHERE, SUN, make_lamps
-from iwis.core.lobes_at import lobes_at
+from iwis.core.bsdf.lobes_at import lobes_at
+from iwis.core.data.lamps import RECTANGLE, SPHERE, SUN, make_lamps
+from iwis.core.lamplight.lamp_choice import ALL_LAMPS, powers_of, share_out
 from support.lamp_points import sampled, seen_point
 from support.scenes import diffuse, glossy, principled
 from support.statistics import sidak, t_p_value

@@ -6,10 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from iwis.core.camera import CameraRays
-from iwis.core.cutouts import PassedPanes
-from iwis.core.lamp_glow import lamp_glow, shown_lamps
-from iwis.core.lamps import (
+from iwis.core.camera.camera import CameraRays
+from iwis.core.data.lamps import (
     BEAM,
     BY_CAMERA,
     BY_DIFFUSE,
@@ -21,8 +19,10 @@ from iwis.core.lamps import (
     SUN,
     make_lamps,
 )
-from iwis.core.program import Closure, Program
+from iwis.core.data.program import Closure, Program
+from iwis.core.lamplight.lamp_glow import lamp_glow, shown_lamps
 from iwis.core.scene import BLACK, GGX
+from iwis.core.see_through.cutouts import PassedPanes
 from support.lamp_rows import area
 from support.programs import with_programs
 from support.scenes import (

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.emitters import with_emitters
-from iwis.core.lamps import RECTANGLE, SPHERE, LampLink, make_lamps
-from iwis.core.object_motion import ObjectMotion
+from iwis.core.data.lamps import RECTANGLE, SPHERE, LampLink, make_lamps
+from iwis.core.data.object_motion import ObjectMotion
+from iwis.core.lamplight.emitters import with_emitters
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import CAMERA_RAYS, SHADOW_CATCHER, SHADOW_RAYS
 from support.lamp_rows import area

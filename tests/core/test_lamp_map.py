@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from iwis.core.data.program import Op, Program, Ref
 from iwis.core.nodes.lamp_map import LampPlaces, lamp_picture
-from iwis.core.program import Op, Program, Ref
 
 
 def _lamp(scales):

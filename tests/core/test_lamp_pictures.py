@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from iwis.core.lamps import (
+from iwis.core.data.lamps import (
     RECTANGLE,
     SPHERE,
     make_lamps,

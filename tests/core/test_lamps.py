@@ -1,11 +1,11 @@
-"""core/lamps.py, lamp_shapes.py, lamp_areas.py, lamp_light.py: each lamp brings what it should."""
+"""lamps.py, lamp_shapes.py, lamp_areas.py, lamp_light.py: each lamp brings what it should."""
 
 import math
 
 import numpy as np
 import pytest
 
-from iwis.core.lamps import (
+from iwis.core.data.lamps import (
     BEAM,
     BY_DIFFUSE,
     BY_GLOSSY,

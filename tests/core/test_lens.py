@@ -1,13 +1,13 @@
-"""core/lens.py and the lens in core/camera.py: the aperture, the plane of focus, the blur."""
+"""lens.py and the lens in camera.py: the aperture, the plane of focus, the blur."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-from iwis.core.camera import rays_through, view_depth
-from iwis.core.lens import aperture_point, blur_widths
-from iwis.core.pixel_filter import LENS, unit_points
+from iwis.core.camera.camera import rays_through, view_depth
+from iwis.core.camera.lens import aperture_point, blur_widths
+from iwis.core.camera.pixel_filter import LENS, unit_points
 from iwis.core.scene import PANORAMIC, Lens, Panorama
 from support.scenes import camera_above, camera_at
 

@@ -1,4 +1,4 @@
-"""core/light_cache.py: trees on disk come back, or are built again; the folder stays small."""
+"""light_cache.py: trees on disk come back, or are built again; the folder stays small."""
 
 import os
 import time
@@ -6,10 +6,10 @@ import time
 import numpy as np
 import pytest
 
-import iwis.core.light_cache as light_cache
-from iwis.core.environment import make_lookup
-from iwis.core.light_cache import light_key, load_light, save_light
-from iwis.core.light_tree import build_pyramid
+import iwis.core.light.light_cache as light_cache
+from iwis.core.light.environment import make_lookup
+from iwis.core.light.light_cache import light_key, load_light, save_light
+from iwis.core.light.light_tree import build_pyramid
 from iwis.core.scene import CLOSEST, EnvironmentMap
 from support.scenes import gradient_world
 

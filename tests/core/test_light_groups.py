@@ -5,9 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.asked_passes import AskedPasses, LightGroups
-from iwis.core.emitters import with_emitters
-from iwis.core.lamps import (
+from iwis.core.data.asked_passes import AskedPasses, LightGroups
+from iwis.core.data.lamps import (
     BY_CAMERA,
     BY_DIFFUSE,
     BY_GLOSSY,
@@ -17,6 +16,7 @@ from iwis.core.lamps import (
     Lamps,
     make_lamps,
 )
+from iwis.core.lamplight.emitters import with_emitters
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
 from support.scenes import (
     black,

@@ -1,11 +1,11 @@
-"""core/light_leaves.py: the leaves of a cell, chosen in proportion to their light."""
+"""core/light/light_leaves.py: the leaves of a cell, chosen in proportion to their light."""
 
 import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.light_leaves import choose_leaf
-from iwis.core.pyramid import level_offset
+from iwis.core.light.light_leaves import choose_leaf
+from iwis.core.light.pyramid import level_offset
 from support.scenes import one_texel_world
 from support.statistics import chi2_p_value, sidak
 from support.warps import light_of

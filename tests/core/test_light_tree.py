@@ -1,18 +1,18 @@
-"""core/light_tree.py, light_cells.py, cell_lookup.py: the light's quadtree holds the light."""
+"""light_tree.py, light_cells.py, cell_lookup.py: the light's quadtree holds the light."""
 
 import time
 
 import numpy as np
 import pytest
 
-import iwis.core.light_tree as light_tree
-from iwis.core.environment import eval_environment_many, make_lookup
-from iwis.core.light_cells import _neighbour
-from iwis.core.light_tree import build_pyramid
-from iwis.core.luminance import luminance
-from iwis.core.pyramid import WHOLE_LEVELS, eval_leaf, level_offset, morton_to_row_column
+import iwis.core.light.light_tree as light_tree
+from iwis.core.bsdf.luminance import luminance
+from iwis.core.light.environment import eval_environment_many, make_lookup
+from iwis.core.light.light_cells import _neighbour
+from iwis.core.light.light_tree import build_pyramid
+from iwis.core.light.pyramid import WHOLE_LEVELS, eval_leaf, level_offset, morton_to_row_column
 from iwis.core.scene import CLOSEST, LINEAR_SRGB, MIRROR_BALL, EnvironmentMap
-from iwis.core.sphere_map import sphere_grid, sphere_to_square
+from iwis.core.unit_square.sphere_map import sphere_grid, sphere_to_square
 from support.light_leaves import (
     LUMINANCE,
     leaves_of,

@@ -1,17 +1,22 @@
-"""core/like_products.py: points that are alike share a product, and lose no light by it."""
+"""like_products.py: points that are alike share a product, and lose no light by it."""
 
 import numpy as np
 import pytest
 import seeds
 
 from iwis.core._jit import kernel
-from iwis.core.like_products import ALIKE, NEARLY_ALIKE, build_products, new_product_scratch
-from iwis.core.lobe_setup import setup_lobes
-from iwis.core.lobes import DIFFUSE_LOBE
-from iwis.core.product import new_products
+from iwis.core.bsdf.lobe_setup import setup_lobes
+from iwis.core.bsdf.lobes import DIFFUSE_LOBE
+from iwis.core.geometry.shading import ShadingPoints
+from iwis.core.products.like_products import (
+    ALIKE,
+    NEARLY_ALIKE,
+    build_products,
+    new_product_scratch,
+)
+from iwis.core.products.product import new_products
+from iwis.core.sampling.unbiased_rays import UnbiasedSampler
 from iwis.core.scene import EnvironmentMap, MaterialParams
-from iwis.core.shading import ShadingPoints
-from iwis.core.unbiased_rays import UnbiasedSampler
 from support.brdf_points import material
 from support.samplers import all_rays, random_sequence
 from support.scenes import constant_world, diffuse, glossy, principled

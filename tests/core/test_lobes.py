@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from iwis.core.albedo_tables import albedo_tables
-from iwis.core.lobes import CONDUCTOR_LOBE, DIELECTRIC_LOBE, DIFFUSE_LOBE
+from iwis.core.bsdf.albedo_tables import albedo_tables
+from iwis.core.bsdf.lobes import CONDUCTOR_LOBE, DIELECTRIC_LOBE, DIFFUSE_LOBE
 from iwis.core.scene import DIFFUSE, GLOSSY, MULTI_GGX
 from support.brdf_points import densities, directions, evaluated, points, sphere_quadrature
 

@@ -1,18 +1,18 @@
-"""core/luminance.py, and what noise of color alone is worth to the stop rules."""
+"""core/bsdf/luminance.py, and what noise of color alone is worth to the stop rules."""
 
 import numpy as np
 import pytest
 
-from iwis.core.camera import camera_rays
-from iwis.core.channels import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
-from iwis.core.incremental import new_sums
-from iwis.core.luminance import chroma, luminance
-from iwis.core.merged_layers import merge_layers
-from iwis.core.neighbours import no_neighbours
-from iwis.core.pass_sums import add_seen, close_passes, fill_spreads, new_pass_sums
+from iwis.core.bsdf.luminance import chroma, luminance
+from iwis.core.camera.camera import camera_rays
+from iwis.core.data.channels import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
+from iwis.core.passes.pass_sums import add_seen, close_passes, fill_spreads, new_pass_sums
+from iwis.core.sampling.incremental import new_sums
+from iwis.core.sampling.neighbours import no_neighbours
 from iwis.core.scene import EnvironmentMap
-from iwis.core.seen_points import with_all_lobes
-from iwis.core.tile_job import trace_points
+from iwis.core.surfaces.merged_layers import merge_layers
+from iwis.core.surfaces.seen_points import with_all_lobes
+from iwis.core.tiles.tile_job import trace_points
 from support.scenes import (
     camera_above,
     constant_world,

@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.lobe_setup import setup_lobes
-from iwis.core.measured import join_measured, read_measured
-from iwis.core.paper_tables import TableBuilder
+from iwis.core.bsdf.lobe_setup import setup_lobes
+from iwis.core.bsdf.measured import join_measured, read_measured
+from iwis.core.paper_mode.paper_tables import TableBuilder
+from iwis.core.sampling.unbiased_rays import UnbiasedSampler
 from iwis.core.scene import FIT_ALBEDO, NO_MEASURED
 from iwis.core.settings import RenderSettings
-from iwis.core.unbiased_rays import UnbiasedSampler
 from support.brdf_points import directions, evaluated, reflected, sphere_quadrature
 from support.merl import brdfs, eval_table, glossy_table, lambert_table, measured, write_merl
 from support.samplers import all_rays, pixel_points, random_sequence

@@ -1,9 +1,9 @@
-"""core/subsurface.py: what artists say of a medium, as walks want it."""
+"""core/walks/subsurface.py: what artists say of a medium, as walks want it."""
 
 import numpy as np
 import pytest
 
-from iwis.core.subsurface import LEGACY, SKIN, VAN_DE_HULST, Media, medium_of
+from iwis.core.walks.subsurface import LEGACY, SKIN, VAN_DE_HULST, Media, medium_of
 
 _RADIUS = np.float32([0.01, 0.02, 0.05])
 

@@ -1,10 +1,10 @@
-"""core/merl.py: MERL's format, and the value between its samples."""
+"""core/bsdf/merl.py: MERL's format, and the value between its samples."""
 
 import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.merl import FILE_BYTES, eval_merl, read_merl
+from iwis.core.bsdf.merl import FILE_BYTES, eval_merl, read_merl
 from support.merl import SIDES, eval_table, glossy_table, lambert_table, lifted, write_merl
 
 

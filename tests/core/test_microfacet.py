@@ -1,9 +1,9 @@
-"""core/microfacet.py: the means of Fresnel's curves, beside their integrals."""
+"""core/bsdf/microfacet.py: the means of Fresnel's curves, beside their integrals."""
 
 import numpy as np
 import pytest
 
-from iwis.core.microfacet import (
+from iwis.core.bsdf.microfacet import (
     dielectric_blend,
     dielectric_mean,
     f0_of_ior,

@@ -5,17 +5,19 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core import moved_accel, ray_masks, render_cache
-from iwis.core.accel import Accel
-from iwis.core.coarse_pictures import Pace
-from iwis.core.moved_accel import MovedAccel, moved, moves_between, settled
-from iwis.core.program import Closure, Program
-from iwis.core.progressive import render_progressive
+from iwis.core import render_cache
+from iwis.core.data.program import Closure, Program
+from iwis.core.embree import moved_accel
+from iwis.core.embree.accel import Accel
+from iwis.core.embree.moved_accel import MovedAccel, moved, moves_between, settled
+from iwis.core.machine.watch import Cancelled, StopFlag
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import CAMERA_RAYS, DIFFUSE, GGX, SHADOW_RAYS
-from iwis.core.scene_rays import SceneRays
+from iwis.core.see_through import ray_masks
+from iwis.core.see_through.scene_rays import SceneRays
 from iwis.core.settings import RenderSettings
-from iwis.core.watch import Cancelled, StopFlag
+from iwis.core.windows.coarse_pictures import Pace
+from iwis.core.windows.progressive import render_progressive
 from support.programs import with_programs
 from support.scenes import (
     camera_above,

@@ -5,17 +5,17 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.accel import Accel
-from iwis.core.asked_passes import AskedPasses, UvMaps
-from iwis.core.moving_accel import MovingAccel
-from iwis.core.object_motion import ObjectMotion
-from iwis.core.pass_rays import pass_slices
-from iwis.core.poses import posed_points
+from iwis.core.camera.pass_rays import pass_slices
+from iwis.core.data.asked_passes import AskedPasses, UvMaps
+from iwis.core.data.object_motion import ObjectMotion
+from iwis.core.embree.accel import Accel
+from iwis.core.embree.moving_accel import MovingAccel
+from iwis.core.geometry.poses import posed_points
+from iwis.core.geometry.shading import shading_points
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import CameraMotion
 from iwis.core.settings import RenderSettings
-from iwis.core.shading import shading_points
-from iwis.core.time_slices import scene_at
+from iwis.core.tiles.time_slices import scene_at
 from support.scenes import (
     black,
     box,

@@ -1,18 +1,18 @@
-"""What shader nodes ask of the surfaces around a point (core/near_rays.py)."""
+"""What shader nodes ask of the surfaces around a point (core/surfaces/near_rays.py)."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-from iwis.core.coarse_pictures import Pace
-from iwis.core.near_rays import _on_disk, with_near_rays
-from iwis.core.program import Closure, Op, Program, Ref
-from iwis.core.progressive import render_progressive
+from iwis.core.data.program import Closure, Op, Program, Ref
+from iwis.core.machine.watch import StopFlag
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import BLACK, CAMERA_RAYS, GGX, SHADOW_RAYS
 from iwis.core.settings import RenderSettings
-from iwis.core.watch import StopFlag
+from iwis.core.surfaces.near_rays import _on_disk, with_near_rays
+from iwis.core.windows.coarse_pictures import Pace
+from iwis.core.windows.progressive import render_progressive
 from support.programs import with_programs
 from support.scenes import (
     black,

@@ -1,12 +1,12 @@
-"""core/neighbours.py: who tells of whom, and what they say together."""
+"""core/sampling/neighbours.py: who tells of whom, and what they say together."""
 
 import itertools
 
 import numpy as np
 import pytest
 
-from iwis.core.incremental import new_sums
-from iwis.core.neighbours import (
+from iwis.core.sampling.incremental import new_sums
+from iwis.core.sampling.neighbours import (
     CELL_PX,
     cell_order,
     find_neighbours,

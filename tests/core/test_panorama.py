@@ -1,4 +1,4 @@
-"""core/panorama.py: places of the square look where their projection says, and back.
+"""core/camera/panorama.py: places of the square look where their projection says, and back.
 
 (tests/parity compares each projection with Cycles.)
 """
@@ -6,9 +6,9 @@
 import numpy as np
 import pytest
 
-from iwis.core.camera import camera_rays, rays_through, view_depth
-from iwis.core.panorama import panorama_directions, pixel_angle
-from iwis.core.panorama_places import panorama_places
+from iwis.core.camera.camera import camera_rays, rays_through, view_depth
+from iwis.core.camera.panorama import panorama_directions, pixel_angle
+from iwis.core.camera.panorama_places import panorama_places
 from iwis.core.scene import PANORAMIC, PERSPECTIVE, Camera, Panorama
 
 PI = np.pi

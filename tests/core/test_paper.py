@@ -1,11 +1,11 @@
-"""core/paper.py and core/paper_products.py: mode PAPER, I_s from the tables, I_d = I_s K / N."""
+"""paper.py and paper_products.py: mode PAPER, I_s from the tables, I_d = I_s K / N."""
 
 import numpy as np
 import pytest
 
-from iwis.core.environment import eval_environment_many
-from iwis.core.paper import PaperSampler
-from iwis.core.paper_tables import TableBuilder
+from iwis.core.light.environment import eval_environment_many
+from iwis.core.paper_mode.paper import PaperSampler
+from iwis.core.paper_mode.paper_tables import TableBuilder
 from iwis.core.settings import RenderSettings
 from support.naive import integrate_diffuse, integrate_glossy
 from support.samplers import all_rays, pixel_points, plain_sequence

@@ -1,4 +1,4 @@
-"""core/paper_tables.py: which tables a scene needs; built, kept, read back, or done without."""
+"""paper_tables.py: which tables a scene needs; built, kept, read back, or done without."""
 
 import os
 import shutil
@@ -6,13 +6,13 @@ import shutil
 import numpy as np
 import pytest
 
-from iwis.core import paper_tables
-from iwis.core.environment import make_lookup
-from iwis.core.haar_forest import build_forest
-from iwis.core.paper_tables import N_PARTS, TableBuilder
+from iwis.core.light.environment import make_lookup
+from iwis.core.paper_mode import paper_tables
+from iwis.core.paper_mode.paper_tables import N_PARTS, TableBuilder
+from iwis.core.paper_mode.tables import SLICES
 from iwis.core.scene import BECKMANN
 from iwis.core.settings import RenderSettings
-from iwis.core.tables import SLICES
+from iwis.core.wavelets.haar_forest import build_forest
 from support.scenes import (
     black,
     camera_above,

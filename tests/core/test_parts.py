@@ -140,8 +140,8 @@ def test_pythons_garbage_is_collected_as_before_a_kernel_was_compiled():
 def _loaded() -> dict[str, int]:
     """Kernels of the core that have machine code -> for how many signatures."""
     found = {}
-    for module in pkgutil.iter_modules(iwis.core.__path__):
-        for name, value in vars(importlib.import_module(f"iwis.core.{module.name}")).items():
+    for module in pkgutil.walk_packages(iwis.core.__path__, "iwis.core."):
+        for name, value in vars(importlib.import_module(module.name)).items():
             if isinstance(value, Kernel) and value.overloads:
                 found[f"{value.py_func.__module__}.{name}"] = len(value.overloads)
     return found
@@ -152,7 +152,7 @@ def test_a_changed_setting_compiles_no_kernel_again():
     """Of the kernels that the default picture took, none is wanted for other types."""
     make_picture(varied_scene(), max_samples=8)
     loaded = _loaded()
-    assert "iwis.core.block_loop.continue_blocks" in loaded
+    assert "iwis.core.sampling.block_loop.continue_blocks" in loaded
     choices = [{"stop_rule": rule} for rule in STOP_RULES]
     choices += [{"pixel_filter": kind} for kind in PIXEL_FILTERS]
     choices += [{"decorrelation": "NONE"}, {"seed": 3}, {"batch_size": 1}, {"tile_px": 16}]

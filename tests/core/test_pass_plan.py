@@ -1,20 +1,20 @@
-"""core/pass_plan.py: how many passes pixels want, and which are taken at once."""
+"""core/tiles/pass_plan.py: how many passes pixels want, and which are taken at once."""
 
 import numpy as np
 import pytest
 
-from iwis.core import pass_plan, pass_samples
-from iwis.core.asked_passes import AskedPasses
-from iwis.core.block_loop import BLOCK_POINTS, PASSES_AT_ONCE
-from iwis.core.lamps import SPHERE, make_lamps
-from iwis.core.neighbours import CELL_PX
-from iwis.core.pass_plan import PassPlan, end_of_batch
-from iwis.core.pass_rays import PILOT, rays_by_pass
-from iwis.core.pass_samples import PassSampler
-from iwis.core.pass_sums import close_passes, fill_spreads, new_pass_sums
+from iwis.core.camera.pass_rays import PILOT, rays_by_pass
+from iwis.core.data.asked_passes import AskedPasses
+from iwis.core.data.lamps import SPHERE, make_lamps
+from iwis.core.passes.pass_sums import close_passes, fill_spreads, new_pass_sums
+from iwis.core.sampling.block_loop import BLOCK_POINTS, PASSES_AT_ONCE
+from iwis.core.sampling.neighbours import CELL_PX
 from iwis.core.scene import CAMERA_RAYS, SHADOW_CATCHER, SHADOW_RAYS
 from iwis.core.settings import RenderSettings
-from iwis.core.tile_job import Rect
+from iwis.core.tiles import pass_plan, pass_samples
+from iwis.core.tiles.pass_plan import PassPlan, end_of_batch
+from iwis.core.tiles.pass_samples import PassSampler
+from iwis.core.tiles.tile_job import Rect
 from support.scenes import (
     camera_above,
     diffuse,

@@ -1,15 +1,15 @@
-"""core/pass_samples.py: how the samples of a pass are shared among the closures of a point."""
+"""pass_samples.py: how the samples of a pass are shared among the closures of a point."""
 
 import numpy as np
 import pytest
 
-from iwis.core import pass_samples
-from iwis.core.lobe_setup import setup_lobes
-from iwis.core.pass_samples import PassSampler, shared_counts
-from iwis.core.pass_sums import new_pass_sums
-from iwis.core.seen_points import ClosureLayer, SeenPoints
-from iwis.core.shading import ShadingPoints
-from iwis.core.tile_job import Rect
+from iwis.core.bsdf.lobe_setup import setup_lobes
+from iwis.core.geometry.shading import ShadingPoints
+from iwis.core.passes.pass_sums import new_pass_sums
+from iwis.core.surfaces.seen_points import ClosureLayer, SeenPoints
+from iwis.core.tiles import pass_samples
+from iwis.core.tiles.pass_samples import PassSampler, shared_counts
+from iwis.core.tiles.tile_job import Rect
 from support.brdf_points import material
 from support.scenes import camera_above, constant_world, diffuse, make_job, make_scene, quad
 

@@ -1,4 +1,4 @@
-"""core/perlin.py: the noise of Blender's textures, against the same formulas in NumPy."""
+"""core/textures/perlin.py: the noise of Blender's textures, against the same formulas in NumPy."""
 
 import itertools
 

@@ -1,10 +1,10 @@
-"""core/pixel_filter.py: where the shading points of a pixel lie."""
+"""core/camera/pixel_filter.py: where the shading points of a pixel lie."""
 
 import numpy as np
 import pytest
 
-from iwis.core.halton import hash_pixel
-from iwis.core.pixel_filter import filter_offsets, unit_points
+from iwis.core.camera.pixel_filter import filter_offsets, unit_points
+from iwis.core.unit_square.halton import hash_pixel
 
 
 def _points(count, columns, rows, seed=0):

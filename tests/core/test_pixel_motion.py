@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.camera import frame_places, rays_through
-from iwis.core.object_motion import PixelMotion
+from iwis.core.camera.camera import frame_places, rays_through
+from iwis.core.data.object_motion import PixelMotion
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, PANORAMIC, SHADOW_RAYS, Panorama
 from support.scenes import (
     camera_above,

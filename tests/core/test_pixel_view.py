@@ -1,10 +1,10 @@
-"""core/pixel_view.py: the maps are the light, the BSDF and the samples that the picture has."""
+"""pixel_view.py: the maps are the light, the BSDF and the samples that the picture has."""
 
 import numpy as np
 import pytest
 
-from iwis.core.pixel_view import draw_pixel_view, look_at_pixel, map_directions, map_texels
 from iwis.core.settings import RenderSettings
+from iwis.core.windows.pixel_view import draw_pixel_view, look_at_pixel, map_directions, map_texels
 from support.scenes import make_picture, varied_scene
 
 SETTINGS = {"pixel_filter": "CENTER", "max_samples": 32, "stop_rule": "FIXED"}

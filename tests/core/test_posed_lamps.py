@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core import posed_lamps
-from iwis.core.emitters import with_emitters
-from iwis.core.lamps import MESH, SPHERE
-from iwis.core.time_slices import scene_at
+from iwis.core.data.lamps import MESH, SPHERE
+from iwis.core.lamplight import posed_lamps
+from iwis.core.lamplight.emitters import with_emitters
+from iwis.core.tiles.time_slices import scene_at
 from support.scenes import (
     black,
     camera_above,

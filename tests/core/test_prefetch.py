@@ -3,7 +3,7 @@
 import numpy as np
 
 from iwis.core._jit import kernel
-from iwis.core.prefetch import fetch
+from iwis.core.machine.prefetch import fetch
 
 
 @kernel

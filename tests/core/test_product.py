@@ -1,10 +1,10 @@
-"""core/product.py, product_build.py, lobe_cells.py, warp.py: light x BSDF, and the way down it."""
+"""product.py, product_build.py, lobe_cells.py, warp.py: light x BSDF, and the way down it."""
 
 import numpy as np
 import pytest
 
-from iwis.core.brdf import eval_brdf_cos
-from iwis.core.product import BASE_BEGIN, BLOCK_BEGIN, BLOCK_CELLS, MAX_BLOCKS
+from iwis.core.bsdf.brdf import eval_brdf_cos
+from iwis.core.products.product import BASE_BEGIN, BLOCK_BEGIN, BLOCK_CELLS, MAX_BLOCKS
 from iwis.core.scene import EnvironmentMap
 from support.scenes import (
     constant_world,
@@ -40,7 +40,7 @@ def _noise_world():
 
 @pytest.fixture(scope="module")
 def lights():
-    """core.light_rays.Light by name."""
+    """core.sampling.light_rays.Light by name."""
     worlds = {
         "hdri": _noise_world(),
         "sun": one_texel_world(32, 22, 40, 1e5),

@@ -1,4 +1,4 @@
-"""core/progressive.py: a coarse picture at once, the final one at the end, nothing after a stop."""
+"""progressive.py: a coarse picture at once, the final one at the end, nothing after a stop."""
 
 import dataclasses
 import time
@@ -6,15 +6,15 @@ import time
 import numpy as np
 import pytest
 
-from iwis.core.camera import rays_through
-from iwis.core.coarse_pictures import STEPS, Pace, coarse_camera
-from iwis.core.denoise import Denoising
-from iwis.core.progressive import render_progressive
+from iwis.core.camera.camera import rays_through
+from iwis.core.denoising.denoise import Denoising
+from iwis.core.denoising.view_denoiser import ViewDenoiser
+from iwis.core.machine.watch import Cancelled, StopFlag
 from iwis.core.render_cache import RenderCache
 from iwis.core.settings import DenoiseSettings, RenderSettings
-from iwis.core.shown_picture import SHOWN
-from iwis.core.view_denoiser import ViewDenoiser
-from iwis.core.watch import Cancelled, StopFlag
+from iwis.core.windows.coarse_pictures import STEPS, Pace, coarse_camera
+from iwis.core.windows.progressive import render_progressive
+from iwis.core.windows.shown_picture import SHOWN
 from support.oidn_library import library
 from support.scenes import camera_above, make_picture, varied_scene
 

@@ -1,12 +1,11 @@
-"""core/pyramid.py: indices of the quadtree, and what its leaves say of a direction."""
+"""core/light/pyramid.py: indices of the quadtree, and what its leaves say of a direction."""
 
 import numpy as np
 import pytest
 
-from iwis.core.environment import make_lookup
-from iwis.core.light_tree import build_pyramid
-from iwis.core.product import DEEPEST_LEVEL
-from iwis.core.pyramid import (
+from iwis.core.light.environment import make_lookup
+from iwis.core.light.light_tree import build_pyramid
+from iwis.core.light.pyramid import (
     WHOLE_LEVELS,
     eval_leaf,
     level_offset,
@@ -14,7 +13,8 @@ from iwis.core.pyramid import (
     pdf_light,
     row_column_to_morton,
 )
-from iwis.core.sphere_map import square_to_sphere
+from iwis.core.products.product import DEEPEST_LEVEL
+from iwis.core.unit_square.sphere_map import square_to_sphere
 from support.light_leaves import leaves_of, sun_world
 
 

@@ -1,12 +1,10 @@
-"""core/reference.py: the estimators that others are compared with are right themselves."""
+"""reference.py: the estimators that others are compared with are right themselves."""
 
 import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.incremental import sample_points
-from iwis.core.paper_tables import TableBuilder
-from iwis.core.reference import (
+from iwis.core.comparisons.reference import (
     BSDF_SAMPLING,
     LIGHT_SAMPLING,
     MIS_SAMPLING,
@@ -16,8 +14,10 @@ from iwis.core.reference import (
     pdf_light,
     sample_light,
 )
+from iwis.core.paper_mode.paper_tables import TableBuilder
+from iwis.core.sampling.incremental import sample_points
 from iwis.core.settings import RenderSettings
-from iwis.core.sphere_map import sphere_grid
+from iwis.core.unit_square.sphere_map import sphere_grid
 from support.naive import radical_inverse
 from support.samplers import pixel_points, plain_sequence, random_sequence
 from support.scenes import (

@@ -6,14 +6,14 @@ import time
 import numpy as np
 import pytest
 
-import iwis.core.center_tile as tile_module
-from iwis.core.environment import make_lookup
+import iwis.core.tiles.center_tile as tile_module
 from iwis.core.film import Film
-from iwis.core.light_tree import build_pyramid
+from iwis.core.light.environment import make_lookup
+from iwis.core.light.light_tree import build_pyramid
+from iwis.core.machine.watch import Cancelled
 from iwis.core.render import prepare_tables, render
 from iwis.core.render_cache import RenderCache
 from iwis.core.settings import RenderSettings
-from iwis.core.watch import Cancelled
 from support.scenes import (
     camera_above,
     diffuse,

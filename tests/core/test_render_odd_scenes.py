@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.camera import camera_rays
-from iwis.core.environment import eval_environment_many, make_lookup
+from iwis.core.camera.camera import camera_rays
+from iwis.core.light.environment import eval_environment_many, make_lookup
 from iwis.core.scene import MaterialParams
 from support.scenes import (
     black,

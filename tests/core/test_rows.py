@@ -1,9 +1,9 @@
-"""core/rows.py: rows of columns."""
+"""core/data/rows.py: rows of columns."""
 
 import numpy as np
 import pytest
 
-from iwis.core.rows import any_in_row, row_and_column, row_maxima, row_means, rows_of
+from iwis.core.data.rows import any_in_row, row_and_column, row_maxima, row_means, rows_of
 
 WAYS = [slice(3, 7), np.arange(20) % 3 == 1, np.array([4, 4, 0, 19]), [2, 5], np.zeros(0, np.int64)]
 

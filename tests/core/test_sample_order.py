@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from iwis.core.sample_order import MOST_ORDERED, new_sample_order, order_samples
-from iwis.core.sequence import common_points, pixel_sequence, sequence_point
+from iwis.core.unit_square.sample_order import MOST_ORDERED, new_sample_order, order_samples
+from iwis.core.unit_square.sequence import common_points, pixel_sequence, sequence_point
 
 
 def _sequence(decorrelation, count):

@@ -1,10 +1,10 @@
-"""core/sequence.py: each pixel's own low-discrepancy points."""
+"""core/unit_square/sequence.py: each pixel's own low-discrepancy points."""
 
 import numpy as np
 import pytest
 
-from iwis.core.sequence import common_points, pixel_sequence, sequence_point
 from iwis.core.settings import RenderSettings
+from iwis.core.unit_square.sequence import common_points, pixel_sequence, sequence_point
 from support.naive import radical_inverse
 from support.samplers import pixel_points, plain_sequence, random_sequence
 from support.scenes import varied_scene

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
+from iwis.core.data.program import Aov, Op, Program, Ref, WorldProgram
 from iwis.core.nodes.world import DIRECTION
-from iwis.core.program import Aov, Op, Program, Ref, WorldProgram
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_RAYS
 from support.programs import with_programs
 from support.scenes import (

@@ -1,10 +1,10 @@
-"""core/shading.py: what is known of a point that a ray hit."""
+"""core/geometry/shading.py: what is known of a point that a ray hit."""
 
 import numpy as np
 import pytest
 
-from iwis.core.accel import Accel
-from iwis.core.shading import params_at, shading_points
+from iwis.core.embree.accel import Accel
+from iwis.core.geometry.shading import params_at, shading_points
 from support.scenes import diffuse, floor, glossy, make_materials, make_mesh, sphere
 
 

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.asked_passes import AskedPasses, UvMaps
+from iwis.core.data.asked_passes import AskedPasses, UvMaps
 from support.scenes import (
     black,
     box,

@@ -5,16 +5,16 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.accel import Accel
-from iwis.core.moving_accel import MovingAccel
+from iwis.core.data.program import Shaders, SurfaceData
+from iwis.core.embree.accel import Accel
+from iwis.core.embree.moving_accel import MovingAccel
+from iwis.core.geometry.poses import points_at_rest, posed_points
+from iwis.core.geometry.shading import shading_points
+from iwis.core.geometry.shapes import shaped
 from iwis.core.nodes import ShadeContext
-from iwis.core.poses import points_at_rest, posed_points
-from iwis.core.program import Shaders, SurfaceData
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import CAMERA_RAYS, SHADOW_RAYS
-from iwis.core.shading import shading_points
-from iwis.core.shapes import shaped
-from iwis.core.time_slices import scene_at
+from iwis.core.tiles.time_slices import scene_at
 from support.scenes import box, floor, make_mesh, varied_scene
 from support.shapes import bent, mesh_at, shapes_of, shift, standing
 

@@ -1,14 +1,14 @@
-"""Sheen as a factor on a Lambert lobe (core/sheen.py)."""
+"""Sheen as a factor on a Lambert lobe (core/bsdf/sheen.py)."""
 
 import numpy as np
 import pytest
 
 from iwis.core._jit import kernel
-from iwis.core.brdf import pdf_narrowest_at
-from iwis.core.lobes_at import lobes_at
+from iwis.core.bsdf.brdf import pdf_narrowest_at
+from iwis.core.bsdf.lobes_at import lobes_at
+from iwis.core.bsdf.sheen import diffuse_color, diffuse_colors, microfiber, set_sheen
 from iwis.core.nodes.layers import under_sheen
 from iwis.core.scene import DIFFUSE
-from iwis.core.sheen import diffuse_color, diffuse_colors, microfiber, set_sheen
 from support.brdf_points import (
     directions,
     evaluated,

@@ -1,9 +1,9 @@
-"""core/sphere_map.py: the squares map to the sphere and the hemisphere, areas and all."""
+"""sphere_map.py: the squares map to the sphere and the hemisphere, areas and all."""
 
 import numpy as np
 import pytest
 
-from iwis.core.sphere_map import (
+from iwis.core.unit_square.sphere_map import (
     hemisphere_grid,
     hemisphere_to_square,
     sphere_grid,

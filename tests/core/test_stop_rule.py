@@ -1,17 +1,17 @@
-"""core/stop_rule.py: what each rule wants, its optimum, and what it does to the mean."""
+"""core/sampling/stop_rule.py: what each rule wants, its optimum, and what it does to the mean."""
 
 import numpy as np
 import pytest
 
-from iwis.core.incremental import continue_points, new_sums, sample_points
-from iwis.core.neighbours import cell_order, find_neighbours, no_neighbours
-from iwis.core.settings import RenderSettings
-from iwis.core.stop_rule import (
+from iwis.core.sampling.incremental import continue_points, new_sums, sample_points
+from iwis.core.sampling.neighbours import cell_order, find_neighbours, no_neighbours
+from iwis.core.sampling.stop_rule import (
     next_count,
     perceptual_rule,
     plan_counts,
     typical_count,
 )
+from iwis.core.settings import RenderSettings
 
 SIDE = 96
 

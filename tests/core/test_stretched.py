@@ -1,10 +1,10 @@
-"""Glossy lobes wider along a tangent than across it (core/stretched.py)."""
+"""Glossy lobes wider along a tangent than across it (core/bsdf/stretched.py)."""
 
 import numpy as np
 import pytest
 
+from iwis.core.bsdf.stretched import mean_roughness, stretch_lobes
 from iwis.core.scene import BECKMANN, GGX, GLOSSY, MULTI_GGX, PRINCIPLED
-from iwis.core.stretched import mean_roughness, stretch_lobes
 from support.brdf_points import (
     densities,
     directions,

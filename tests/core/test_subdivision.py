@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from iwis.core.bezier_patches import flat_patches, smooth_patches
-from iwis.core.subdivision import FOR_EVER, make_control, refined, with_sharp_corners
+from iwis.core.fine_meshes.bezier_patches import flat_patches, smooth_patches
+from iwis.core.fine_meshes.subdivision import FOR_EVER, make_control, refined, with_sharp_corners
 from support.control_meshes import cube, grid, quads_of
 
 _WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0

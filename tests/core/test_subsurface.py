@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.accel import Accel
+from iwis.core.data.program import Closure, Program, Subsurface
+from iwis.core.embree.accel import Accel
 from iwis.core.film import Film
-from iwis.core.program import Closure, Program, Subsurface
-from iwis.core.random_walk import walk
+from iwis.core.geometry.shading import shading_points
 from iwis.core.render import render
 from iwis.core.scene import (
     BLACK,
@@ -21,8 +21,8 @@ from iwis.core.scene import (
     EnvironmentMap,
 )
 from iwis.core.settings import RenderSettings
-from iwis.core.shading import shading_points
-from iwis.core.subsurface import LEGACY, SKIN, VAN_DE_HULST, Media, medium_of, walked
+from iwis.core.walks.random_walk import walk
+from iwis.core.walks.subsurface import LEGACY, SKIN, VAN_DE_HULST, Media, medium_of, walked
 from support import scenes
 from support.programs import with_programs
 from support.strands import cone_mesh

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from iwis.core.data.program import Closure, Op, Program, Ref
 from iwis.core.nodes.context import ShadeContext, barycentric_of
 from iwis.core.nodes.layers import through_glass
-from iwis.core.program import Closure, Op, Program, Ref
 from iwis.core.scene import (
     DIFFUSE,
     GGX,
@@ -16,7 +16,7 @@ from iwis.core.scene import (
     TRANSLUCENT,
     EnvironmentMap,
 )
-from iwis.core.surface import closure_layers, surface_lobes
+from iwis.core.surfaces.surface import closure_layers, surface_lobes
 from support.brdf_points import evaluated, sphere_quadrature
 from support.programs import with_programs
 from support.samplers import pixel_points

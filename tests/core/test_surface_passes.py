@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.asked_passes import (
+from iwis.core.data.asked_passes import (
     AskedPasses,
     Matte,
     Mist,

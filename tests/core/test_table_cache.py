@@ -1,12 +1,12 @@
-"""core/table_cache.py: tables on disk come back, or say why not."""
+"""core/wavelets/table_cache.py: tables on disk come back, or say why not."""
 
 import os
 
 import numpy as np
 import pytest
 
-from iwis.core.haar_forest import HaarForest, build_forest
-from iwis.core.table_cache import load_table, save_table, table_folder, table_key
+from iwis.core.wavelets.haar_forest import HaarForest, build_forest
+from iwis.core.wavelets.table_cache import load_table, save_table, table_folder, table_key
 
 
 @pytest.fixture

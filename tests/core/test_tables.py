@@ -1,11 +1,10 @@
-"""core/tables.py: slices of light and BRDF hold the averages that they say."""
+"""core/paper_mode/tables.py: slices of light and BRDF hold the averages that they say."""
 
 import numpy as np
 import pytest
 
-from iwis.core.environment import eval_environment_many, make_lookup
-from iwis.core.sphere_map import hemisphere_grid, sphere_grid
-from iwis.core.tables import (
+from iwis.core.light.environment import eval_environment_many, make_lookup
+from iwis.core.paper_mode.tables import (
     PLAIN,
     SCHLICK_CURVE,
     SIDE,
@@ -16,6 +15,7 @@ from iwis.core.tables import (
     cell_samples,
     light_frames,
 )
+from iwis.core.unit_square.sphere_map import hemisphere_grid, sphere_grid
 from support.naive import forest_grid, integrate_glossy
 from support.scenes import gradient_world
 

@@ -1,13 +1,13 @@
-"""core/terminator.py: where grazing shadow rays of coarse smooth faces start."""
+"""core/geometry/terminator.py: where grazing shadow rays of coarse smooth faces start."""
 
 import numpy as np
 import pytest
 
-from iwis.core.lobe_setup import setup_lobes
+from iwis.core.bsdf.lobe_setup import setup_lobes
+from iwis.core.geometry.shading import shading_points
+from iwis.core.geometry.terminator import lift_share
+from iwis.core.sampling.unbiased_rays import UnbiasedSampler
 from iwis.core.scene import ROUND
-from iwis.core.shading import shading_points
-from iwis.core.terminator import lift_share
-from iwis.core.unbiased_rays import UnbiasedSampler
 from support.brdf_points import material
 from support.samplers import all_rays, random_sequence
 from support.scenes import (

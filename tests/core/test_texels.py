@@ -1,9 +1,9 @@
-"""core/texels.py: images looked up, against a texel after another in Python."""
+"""core/textures/texels.py: images looked up, against a texel after another in Python."""
 
 import numpy as np
 import pytest
 
-from iwis.core.texels import EXTENSIONS, INTERPOLATIONS, look_up
+from iwis.core.textures.texels import EXTENSIONS, INTERPOLATIONS, look_up
 
 HEIGHT, WIDTH = 3, 5
 

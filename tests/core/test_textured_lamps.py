@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from iwis.core.lamps import (
+from iwis.core.data.lamps import (
     BY_CAMERA,
     BY_DIFFUSE,
     BY_GLOSSY,

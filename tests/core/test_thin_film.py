@@ -1,11 +1,11 @@
-"""What thin films reflect (core/thin_film.py): beside sums over wavelengths, and Cycles."""
+"""What thin films reflect (core/bsdf/thin_film.py): beside sums over wavelengths, and Cycles."""
 
 import numpy as np
 import pytest
 
-from iwis.core.microfacet import dielectric_blend, f82_curve, f82_edge, schlick_weight
-from iwis.core.thin_film import INDEXED
-from iwis.core.thin_film_tables import (
+from iwis.core.bsdf.microfacet import dielectric_blend, f82_curve, f82_edge, schlick_weight
+from iwis.core.bsdf.thin_film import INDEXED
+from iwis.core.bsdf.thin_film_tables import (
     ACESCG,
     GAUSSIANS,
     REC709,

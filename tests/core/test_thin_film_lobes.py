@@ -1,20 +1,20 @@
-"""Lobes with thin films (core/thin_film_setup.py), in brdf.py and the product's cells."""
+"""Lobes with thin films (core/bsdf/thin_film_setup.py), in brdf.py and the product's cells."""
 
 import numpy as np
 import pytest
 
 from iwis.core import render
-from iwis.core.lobe_cells import gloss_at
-from iwis.core.lobes import THIN_FILM
+from iwis.core.bsdf.lobes import THIN_FILM
+from iwis.core.bsdf.stretched import stretch_lobes
+from iwis.core.bsdf.thin_film import dielectric_film
+from iwis.core.bsdf.thin_film_setup import FilmValues, set_film
+from iwis.core.bsdf.thin_film_tables import GAUSSIANS, REC709
+from iwis.core.data.program import Closure, Program, ThinFilm
 from iwis.core.nodes.layers import through_glass
-from iwis.core.program import Closure, Program, ThinFilm
+from iwis.core.products.lobe_cells import gloss_at
 from iwis.core.scene import GGX, GLOSSY, MULTI_GGX, PRINCIPLED
 from iwis.core.settings import RenderSettings
-from iwis.core.stretched import stretch_lobes
-from iwis.core.surface import closure_layers
-from iwis.core.thin_film import dielectric_film
-from iwis.core.thin_film_setup import FilmValues, set_film
-from iwis.core.thin_film_tables import GAUSSIANS, REC709
+from iwis.core.surfaces.surface import closure_layers
 from support.brdf_points import directions, evaluated, material, points
 from support.programs import with_programs
 from support.samplers import pixel_points

@@ -1,10 +1,10 @@
-"""core/tile_pool.py: a pool ends as soon as its workers have."""
+"""core/machine/tile_pool.py: a pool ends as soon as its workers have."""
 
 import threading
 import time
 
-from iwis.core.tile_pool import run_pool
-from iwis.core.watch import StopFlag
+from iwis.core.machine.tile_pool import run_pool
+from iwis.core.machine.watch import StopFlag
 
 
 def test_a_cancel_waits_for_the_work_at_hand_alone():

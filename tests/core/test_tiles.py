@@ -1,9 +1,9 @@
-"""core/tiles.py: every pixel in one tile; large tiles first, and small ones to wait for."""
+"""core/tiles/tiles.py: every pixel in one tile; large tiles first, and small ones to wait for."""
 
 import numpy as np
 import pytest
 
-from iwis.core.tiles import tile_plan, tile_rects
+from iwis.core.tiles.tiles import tile_plan, tile_rects
 
 REGIONS = ((0, 0, 40, 28), (3, 7, 4, 8), (5, 0, 37, 65), (0, 0, 320, 200), (17, 40, 900, 500))
 

@@ -1,15 +1,15 @@
-"""Toon as a cap in place of a Lambert lobe (core/toon.py)."""
+"""Toon as a cap in place of a Lambert lobe (core/bsdf/toon.py)."""
 
 import math
 
 import numpy as np
 import pytest
 
-from iwis.core.microfacet import MIN_ALPHA
+from iwis.core.bsdf.microfacet import MIN_ALPHA
+from iwis.core.bsdf.sheen import diffuse_colors
+from iwis.core.bsdf.toon import set_toon
+from iwis.core.sampling.unbiased import bsdf_share
 from iwis.core.scene import DIFFUSE
-from iwis.core.sheen import diffuse_colors
-from iwis.core.toon import set_toon
-from iwis.core.unbiased import bsdf_share
 from support.brdf_points import (
     directions,
     evaluated,

@@ -1,9 +1,9 @@
-"""core/displacement.py: meshes whose corners have normals, before Blender 5.2 and since."""
+"""displacement.py: meshes whose corners have normals, before Blender 5.2 and since."""
 
 import numpy as np
 
-from iwis.core.displacement import Asked, Movable, displaced, torn
-from iwis.core.program import Displacement, Op, Program, Ref, SurfaceData
+from iwis.core.data.program import Displacement, Op, Program, Ref, SurfaceData
+from iwis.core.fine_meshes.displacement import Asked, Movable, displaced, torn
 from iwis.core.scene import TriangleMesh
 from support.scenes import camera_above
 

@@ -1,13 +1,13 @@
-"""core/triangle_pairs.py: triangles two by two are the same triangles."""
+"""core/embree/triangle_pairs.py: triangles two by two are the same triangles."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-from iwis.core.accel import Accel
-from iwis.core.embree_filter import Opacity
-from iwis.core.triangle_pairs import count_as_triangles, paired
+from iwis.core.embree.accel import Accel
+from iwis.core.embree.embree_filter import Opacity
+from iwis.core.embree.triangle_pairs import count_as_triangles, paired
 from support.scenes import make_mesh, sphere
 
 N = 4000
@@ -61,7 +61,7 @@ def test_hits_are_those_of_triangles(bumpy, rng, monkeypatch):
     accel = Accel(bumpy)
     assert accel.pairs is not None
     found, blocked = accel.intersect(*rays), accel.occluded(*rays)
-    monkeypatch.setattr("iwis.core.accel.paired", lambda _: None)
+    monkeypatch.setattr("iwis.core.embree.accel.paired", lambda _: None)
     alone = Accel(bumpy)
     assert alone.pairs is None
     expected = alone.intersect(*rays)

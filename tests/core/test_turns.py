@@ -1,10 +1,10 @@
-"""core/turns.py: one of two threads at a time, but for what runs aside."""
+"""core/machine/turns.py: one of two threads at a time, but for what runs aside."""
 
 import threading
 
 import pytest
 
-from iwis.core.turns import Turns, aside
+from iwis.core.machine.turns import Turns, aside
 
 
 def _run(*works):

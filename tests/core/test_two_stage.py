@@ -1,12 +1,12 @@
-"""core/two_stage.py: [Cline06]'s estimator is right, and better than either factor alone."""
+"""two_stage.py: [Cline06]'s estimator is right, and better than either factor alone."""
 
 import numpy as np
 import pytest
 
-from iwis.core.incremental import continue_points, new_sums
-from iwis.core.reference import LIGHT_SAMPLING, MixtureSampler
-from iwis.core.stop_rule import paper_rule
-from iwis.core.two_stage import PILOT, TwoStageSampler, continue_adaptively
+from iwis.core.comparisons.reference import LIGHT_SAMPLING, MixtureSampler
+from iwis.core.comparisons.two_stage import PILOT, TwoStageSampler, continue_adaptively
+from iwis.core.sampling.incremental import continue_points, new_sums
+from iwis.core.sampling.stop_rule import paper_rule
 from support.samplers import pixel_points, random_sequence
 from support.statistics import sidak, t_p_value
 from support.truths import corner_scene, corner_truth

@@ -1,9 +1,9 @@
-"""core/unbiased.py: a fixed count converges to the true integral, whatever light and lobe."""
+"""unbiased.py: a fixed count converges to the true integral, whatever light and lobe."""
 
 import numpy as np
 import pytest
 
-from iwis.core.unbiased_rays import UnbiasedSampler
+from iwis.core.sampling.unbiased_rays import UnbiasedSampler
 from support.samplers import all_rays, pixel_points, plain_sequence
 from support.scenes import (
     camera_above,

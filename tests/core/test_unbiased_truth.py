@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import seeds
 
-from iwis.core.lobe_setup import setup_lobes
+from iwis.core.bsdf.lobe_setup import setup_lobes
+from iwis.core.geometry.shading import ShadingPoints
 from iwis.core.render import RenderCache
+from iwis.core.sampling.unbiased_rays import UnbiasedSampler
 from iwis.core.scene import EnvironmentMap
-from iwis.core.shading import ShadingPoints
-from iwis.core.unbiased_rays import UnbiasedSampler
 from support.brdf_points import material
 from support.samplers import all_rays, random_sequence
 from support.warps import light_of

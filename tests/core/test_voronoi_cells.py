@@ -1,4 +1,4 @@
-"""core/voronoi_cells.py and its node: distances to random points, against a point after another."""
+"""voronoi_cells.py and its node: distances to random points, against a point after another."""
 
 import itertools
 

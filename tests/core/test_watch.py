@@ -1,4 +1,4 @@
-"""core/watch.py: long work is listened to, and can be left."""
+"""core/machine/watch.py: long work is listened to, and can be left."""
 
 import threading
 import time
@@ -6,7 +6,7 @@ import time
 import pytest
 
 from iwis.core.film import Film
-from iwis.core.watch import Cancelled, watched
+from iwis.core.machine.watch import Cancelled, watched
 
 
 class _Sink(Film):

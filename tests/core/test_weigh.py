@@ -1,16 +1,16 @@
-"""core/weigh.py: what samples of lobes bring that are neither plain gloss nor Lambert's alone."""
+"""weigh.py: what samples of lobes bring that are neither plain gloss nor Lambert's alone."""
 
 import numpy as np
 import pytest
 
+from iwis.core.bsdf.sheen import set_sheen
+from iwis.core.bsdf.stretched import mean_roughness, stretch_lobes
+from iwis.core.bsdf.thin_film_setup import FilmValues, set_film
+from iwis.core.bsdf.thin_film_tables import REC709
+from iwis.core.bsdf.toon import set_toon
+from iwis.core.geometry.shading import ShadingPoints
+from iwis.core.sampling.unbiased_rays import UnbiasedSampler
 from iwis.core.scene import DIFFUSE, PRINCIPLED
-from iwis.core.shading import ShadingPoints
-from iwis.core.sheen import set_sheen
-from iwis.core.stretched import mean_roughness, stretch_lobes
-from iwis.core.thin_film_setup import FilmValues, set_film
-from iwis.core.thin_film_tables import REC709
-from iwis.core.toon import set_toon
-from iwis.core.unbiased_rays import UnbiasedSampler
 from support.brdf_points import directions, evaluated, material, points, sphere_quadrature
 from support.samplers import all_rays, random_sequence
 from support.scenes import constant_world

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from iwis.core.data.program import Op, Program, Ref, WorldProgram
 from iwis.core.nodes.world import DIRECTION
 from iwis.core.nodes.world_map import evaluate_map, evaluate_texels, reached_ops
-from iwis.core.program import Op, Program, Ref, WorldProgram
 from support.scenes import camera_above, constant_world, diffuse, floor, make_picture, make_scene
 
 

@@ -3,16 +3,16 @@
 import numpy as np
 
 from iwis.core._jit import kernel
-from iwis.core.brdf import (
+from iwis.core.bsdf.brdf import (
     eval_at,
     pdf_at,
     pdf_narrowest_at,
     sample_at,
     sample_narrowest_at,
 )
-from iwis.core.lobe_setup import setup_lobes
-from iwis.core.lobes import Lobes
-from iwis.core.lobes_at import lobes_at
+from iwis.core.bsdf.lobe_setup import setup_lobes
+from iwis.core.bsdf.lobes import Lobes
+from iwis.core.bsdf.lobes_at import lobes_at
 from iwis.core.scene import GGX, PRINCIPLED, MaterialParams
 
 

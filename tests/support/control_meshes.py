@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from iwis.core.subdivision import Control, make_control
+from iwis.core.fine_meshes.subdivision import Control, make_control
 
 _CUBE = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import bpy
 
 from iwis.iwis_addon.export import export_scene
-from iwis.iwis_addon.export.motion import export_in_motion
+from iwis.iwis_addon.export.motion.motion import export_in_motion
 
 
 def engine_of(scene):
@@ -25,5 +25,5 @@ def exported_in_motion(cache=None):
 
 
 def objects_of(scene, shapes):
-    """Rows of the objects that some core.object_motion.Shapes are of."""
+    """Rows of the objects that some core.data.object_motion.Shapes are of."""
     return set(scene.mesh.object_index[shapes.triangle].tolist())

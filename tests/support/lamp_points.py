@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from iwis.core.camera import CameraRays
-from iwis.core.lamp_light import COLUMNS, LampSamples, add_lamp_light
-from iwis.core.lamps import make_lamps
-from iwis.core.seen_points import with_lobes
-from iwis.core.shading import ShadingPoints
-from iwis.core.tile_job import trace_points
+from iwis.core.camera.camera import CameraRays
+from iwis.core.data.lamps import make_lamps
+from iwis.core.geometry.shading import ShadingPoints
+from iwis.core.lamplight.lamp_light import COLUMNS, LampSamples, add_lamp_light
+from iwis.core.surfaces.seen_points import with_lobes
+from iwis.core.tiles.tile_job import trace_points
 
 from .scenes import camera_above, constant_world, floor, make_job, make_scene
 

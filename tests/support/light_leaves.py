@@ -3,10 +3,10 @@
 import numpy as np
 
 from iwis.core._jit import kernel
-from iwis.core.environment import eval_environment_many
-from iwis.core.pyramid import level_offset
+from iwis.core.light.environment import eval_environment_many
+from iwis.core.light.pyramid import level_offset
 from iwis.core.scene import EnvironmentMap
-from iwis.core.sphere_map import square_to_sphere
+from iwis.core.unit_square.sphere_map import square_to_sphere
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 

@@ -3,7 +3,7 @@
 import bpy
 
 from iwis.iwis_addon.export import ExportCache, LiveExport, export_scene
-from iwis.iwis_addon.export import parts as parts_module
+from iwis.iwis_addon.export.meshes import parts as parts_module
 
 
 class Window:

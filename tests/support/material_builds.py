@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.iwis_addon.export.material import export_materials, export_shaders
+from iwis.iwis_addon.export.shaders.material import export_materials, export_shaders
 
 
 class Build:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from iwis.core.measured import fit_lobes
+from iwis.core.bsdf.measured import fit_lobes
 from iwis.core.scene import MEASURED, MeasuredBrdfs
 from support.scenes import MATERIAL
 

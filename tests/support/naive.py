@@ -8,7 +8,7 @@ import numpy as np
 def haar_basis(side: int) -> np.ndarray:
     """float64 (side^2, side^2): row k is basis function k as a grid of its values, row by row.
 
-    Written down from the definition (core/haar.py): 1, then 2^l s_t on square (l, i, j).
+    Written down from the definition (core/wavelets/haar.py): 1, then 2^l s_t on square (l, i, j).
     """
     basis = np.zeros((side * side, side, side))
     basis[0] = 1.0

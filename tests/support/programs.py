@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from iwis.core.program import Closure, Program, Shaders, SurfaceData
+from iwis.core.data.program import Closure, Program, Shaders, SurfaceData
 from iwis.core.scene import BLACK, GGX
 
 TINT = np.float32([0.9, 0.5, 0.1])

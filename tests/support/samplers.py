@@ -4,13 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from iwis.core.accel import Accel
-from iwis.core.camera import camera_rays
-from iwis.core.incremental import RayBatch, new_rays
-from iwis.core.lobe_setup import setup_lobes
-from iwis.core.lobes import Lobes
-from iwis.core.sequence import PixelSequence, common_points
-from iwis.core.shading import ShadingPoints, params_at, shading_points
+from iwis.core.bsdf.lobe_setup import setup_lobes
+from iwis.core.bsdf.lobes import Lobes
+from iwis.core.camera.camera import camera_rays
+from iwis.core.embree.accel import Accel
+from iwis.core.geometry.shading import ShadingPoints, params_at, shading_points
+from iwis.core.sampling.incremental import RayBatch, new_rays
+from iwis.core.unit_square.sequence import PixelSequence, common_points
 
 
 class PixelPoints(NamedTuple):

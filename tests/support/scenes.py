@@ -6,6 +6,7 @@ World space, metres, z up. A part of a mesh is a tuple (vertices, triangles, cor
 import numpy as np
 
 from iwis.core.film import Film
+from iwis.core.machine.watch import StopFlag
 from iwis.core.render import render
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import (
@@ -22,10 +23,9 @@ from iwis.core.scene import (
     Scene,
     TriangleMesh,
 )
-from iwis.core.sequence import common_points
 from iwis.core.settings import RenderSettings
-from iwis.core.tile_job import Job
-from iwis.core.watch import StopFlag
+from iwis.core.tiles.tile_job import Job
+from iwis.core.unit_square.sequence import common_points
 
 MATERIAL = {
     "model": DIFFUSE,

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from iwis.core.object_motion import ObjectMotion, Shapes
+from iwis.core.data.object_motion import ObjectMotion, Shapes
 from iwis.core.scene import CameraMotion
 
 SLICES, STEPS = 64, 5

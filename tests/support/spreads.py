@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from iwis.core.neighbours import Neighbours, pool_spread
+from iwis.core.sampling.neighbours import Neighbours, pool_spread
 
 
 def relative_spread(sums, neighbours: Neighbours, floor: float, points: np.ndarray) -> np.ndarray:

@@ -1,10 +1,10 @@
-"""What films reflect as core/thin_film.py has it, of plain numbers."""
+"""What films reflect as core/bsdf/thin_film.py has it, of plain numbers."""
 
 import numpy as np
 
-from iwis.core.microfacet import f0_of_ior
-from iwis.core.thin_film import dielectric_film, metal_film
-from iwis.core.thin_film_tables import REC709
+from iwis.core.bsdf.microfacet import f0_of_ior
+from iwis.core.bsdf.thin_film import dielectric_film, metal_film
+from iwis.core.bsdf.thin_film_tables import REC709
 
 _F = np.float32
 GOLD = (0.14, 0.37, 1.44), (3.97, 2.5, 1.9)  # index and extinction

@@ -5,8 +5,8 @@ import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
-from iwis.iwis_addon.export.camera import export_camera
-from iwis.iwis_addon.export.mesh import export_mesh
+from iwis.iwis_addon.export.cameras.camera import export_camera
+from iwis.iwis_addon.export.placed.mesh import export_mesh
 from support.cycles_render import render_cycles
 
 

@@ -7,8 +7,8 @@ world's look-up and Embree, which have tests of their own.
 
 import numpy as np
 
-from iwis.core.accel import Accel
-from iwis.core.environment import eval_environment_many, make_lookup
+from iwis.core.embree.accel import Accel
+from iwis.core.light.environment import eval_environment_many, make_lookup
 
 from .naive import ggx_brdf_cos, integrate_diffuse, integrate_glossy, texel_directions
 from .scenes import (

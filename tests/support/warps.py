@@ -3,21 +3,21 @@
 import numpy as np
 
 from iwis.core._jit import kernel
-from iwis.core.environment import make_lookup
-from iwis.core.lanes import DX, DY, DZ, LANES, PDF, X, Y, new_lanes
-from iwis.core.light_rays import make_light
-from iwis.core.light_tree import build_pyramid
-from iwis.core.lobe_setup import setup_lobes
-from iwis.core.product import new_products, pdf_product
-from iwis.core.product_build import build_product, new_block_scratch
-from iwis.core.sphere_map import sphere_to_square
-from iwis.core.warp import warp_lanes
+from iwis.core.bsdf.lobe_setup import setup_lobes
+from iwis.core.light.environment import make_lookup
+from iwis.core.light.light_tree import build_pyramid
+from iwis.core.machine.lanes import DX, DY, DZ, LANES, PDF, X, Y, new_lanes
+from iwis.core.products.product import new_products, pdf_product
+from iwis.core.products.product_build import build_product, new_block_scratch
+from iwis.core.products.warp import warp_lanes
+from iwis.core.sampling.light_rays import make_light
+from iwis.core.unit_square.sphere_map import sphere_to_square
 
 from .scenes import make_materials
 
 
 def light_of(world):
-    """core.light_rays.Light of an EnvironmentMap."""
+    """core.sampling.light_rays.Light of an EnvironmentMap."""
     lookup = make_lookup(world)
     return make_light(lookup, build_pyramid(lookup))
 

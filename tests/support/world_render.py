@@ -7,8 +7,8 @@ import bpy
 import numpy as np
 from mathutils import Euler
 
-from iwis.core.environment import eval_environment_many, make_lookup
-from iwis.iwis_addon.export.world import read_world
+from iwis.core.light.environment import eval_environment_many, make_lookup
+from iwis.iwis_addon.export.worlds.world import read_world
 from support.cycles_render import render_cycles
 
 # Asked for is 0.1 %. What is left: Cycles' smallest pixel filter moves a ray by up to .005 pixel,

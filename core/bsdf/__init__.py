@@ -1,0 +1,1 @@
+"""What surfaces and strands make of light, from parameters to lobes to numbers."""

@@ -1,0 +1,1 @@
+"""From a place in the picture to a ray, and back."""

@@ -1,0 +1,1 @@
+"""Estimators that no picture uses, to compare with."""

@@ -1,0 +1,1 @@
+"""What a Scene is made of, as plain data; loads without numba, for exporters too."""

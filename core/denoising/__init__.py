@@ -1,0 +1,1 @@
+"""Pictures without their noise, by Open Image Denoise."""

@@ -1,0 +1,1 @@
+"""Rays against triangles by Embree; accel.py is the door to it."""

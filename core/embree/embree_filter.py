@@ -1,0 +1,194 @@
+"""Embree's question at each hit of a ray: does it end here?
+
+Called by Embree itself, for one ray or a packet, in any thread. The answer is that of grids
+(opacity.py makes them); between 0 and 1 it is drawn, by a hash of the ray, so that it is the same
+in every run. Of colored grids red, green and blue ask with the same number, each for itself: which
+of them are blocked is written to the ray's ID, and it ends where all are. Where a hierarchy stands
+in several places, each instance may show some of its triangles alone (moved_accel.py).
+"""
+
+from __future__ import annotations
+
+import ctypes
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from .._jit import c_callback, kernel
+from ..machine.addresses import get_byte, get_float, get_int, get_word, put
+from .embree_rays import ALL_COLORS
+
+_ONE = np.float32(1.0)
+_DIRECTION, _ID, _U, _V, _TRIANGLE, _INSTANCE = 4, 10, 3, 4, 5, 7  # rows of RTCRayN and RTCHitN
+_GROUPS = 32  # bytes before the address of the groups, in what a filter reads
+
+
+class Opacity(NamedTuple):
+    """Grids of a mesh's triangles.
+
+    row: int32 (triangles,), which grid; -1: opaque
+    start: int64 (grids,), where each begins in values; side: int32 (grids,), R
+    values: uint8, of 255 what passes at the corners: for each step v, R + 1 - v of them along u
+    colored: whether there are three such grids one after another, red, green, blue
+    """
+
+    row: np.ndarray
+    start: np.ndarray
+    side: np.ndarray
+    values: np.ndarray
+    colored: bool = False
+
+    @property
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """What a filter reads, in one piece each."""
+        return tuple(np.ascontiguousarray(array) for array in self[:4])
+
+    def same(self, other: Opacity | None) -> bool:
+        """Whether two are equal."""
+        return other is not None and all(map(np.array_equal, self, other))
+
+
+class ShadowFilter:
+    """What Embree is given with a mesh: the address of a function, and of what it reads.
+
+    nearest: of a function for rays that ask for the nearest hit; 0 = none
+    colored: of Opacity
+    """
+
+    nearest = 0
+
+    def __init__(self, opacity: Opacity):
+        self._arrays, self.colored = opacity.arrays, opacity.colored
+        self._places = (ctypes.c_size_t * 4)(*(a.ctypes.data for a in self._arrays))
+        self.function = (let_colors_through if self.colored else let_through).address
+        self.data = ctypes.addressof(self._places)
+
+
+class GroupFilter:
+    """ShadowFilter of a mesh that stands in several places, each of which shows a part of it."""
+
+    def __init__(self, groups: np.ndarray, opacity: Opacity | None = None):
+        """groups: uint8 (faces,), the number of the instance that shows each; of Embree's faces"""
+        shown = np.ascontiguousarray(groups)
+        self._arrays = (*(() if opacity is None else opacity.arrays), shown)
+        self.colored = opacity is not None and opacity.colored
+        places = [0] * (5 - len(self._arrays)) + [array.ctypes.data for array in self._arrays]
+        self._places = (ctypes.c_size_t * 5)(*places)
+        self.data, self.nearest = ctypes.addressof(self._places), show_groups.address
+        both = show_and_let_colors_through if self.colored else show_and_let_through
+        self.function = (show_groups if opacity is None else both).address
+
+
+@kernel
+def _passes(values, start, side, u, v):
+    """float32, of 255: what a grid lets through at (u, v)."""
+    x, y = u * np.float32(side), v * np.float32(side)
+    column, row = min(int(x), side - 1), min(int(y), side - 1)
+    row = max(min(row, side - 1 - column), 0)
+    x, y = x - np.float32(column), y - np.float32(row)
+    below = start + row * (side + 1) - row * (row - 1) // 2 + column
+    above = below + side + 1 - row
+    right, up = np.float32(get_byte(values + below + 1)), np.float32(get_byte(values + above))
+    if x + y <= _ONE or column + row + 1 >= side:
+        here = np.float32(get_byte(values + below))
+        return here + x * (right - here) + y * (up - here)
+    there = np.float32(get_byte(values + above + 1))
+    return there + (_ONE - x) * (up - there) + (_ONE - y) * (right - there)
+
+
+@kernel
+def _drawn(ray, hit, row, u, v):
+    """float32 in [0, 255): a hash of a ray and its hit."""
+    mixed = np.uint32(get_int(hit + _U * row)) * np.uint32(0x9E3779B1)
+    mixed = np.uint32(mixed ^ np.uint32(get_int(hit + _V * row)))
+    for axis in range(3):
+        bits = np.uint32(get_int(ray + (_DIRECTION + axis) * row))
+        mixed = np.uint32(np.uint32(mixed ^ bits) * np.uint32(0x85EBCA6B))
+        mixed = np.uint32(mixed ^ np.uint32(mixed >> np.uint32(15)))
+    mixed = np.uint32(mixed * np.uint32(0xC2B2AE35))
+    mixed = np.uint32(mixed ^ np.uint32(mixed >> np.uint32(16)))
+    return np.float32(mixed >> np.uint32(8)) * np.float32(255.0 / 16777216.0)
+
+
+@kernel
+def _blocked(blocked, drawn, values, start, side, u, v):
+    """The colors, bits of int32, that are blocked after a hit."""
+    corners = (side + 1) * (side + 2) // 2
+    for color in range(3):
+        if drawn >= _passes(values, start + color * corners, side, u, v):
+            blocked |= 1 << color
+    return blocked
+
+
+@kernel
+def _let_through(arguments, colored):
+    valid, grids = get_word(arguments), get_word(arguments + 8)
+    rays, hits = get_word(arguments + 24), get_word(arguments + 32)
+    row = 4 * get_int(arguments + 40)
+    rows, starts = get_word(grids), get_word(grids + 8)
+    sides, values = get_word(grids + 16), get_word(grids + 24)
+    for lane in range(0, row, 4):
+        if get_int(valid + lane) == 0:
+            continue
+        hit = hits + lane
+        grid = get_int(rows + 4 * get_int(hit + _TRIANGLE * row))
+        if grid < 0:
+            continue
+        start, side = get_word(starts + 8 * grid), get_int(sides + 4 * grid)
+        u, v = get_float(hit + _U * row), get_float(hit + _V * row)
+        if colored:
+            place, drawn = rays + lane + _ID * row, _drawn(rays + lane, hit, row, u, v)
+            blocked = _blocked(get_int(place), drawn, values, start, side, u, v)
+            if blocked != ALL_COLORS:
+                put(place, np.int32(blocked))
+                put(valid + lane, np.int32(0))
+            continue
+        passing = _passes(values, start, side, u, v)
+        if passing > np.float32(0.0) and _drawn(rays + lane, hit, row, u, v) < passing:
+            put(valid + lane, np.int32(0))
+
+
+@kernel
+def _show_groups(arguments):
+    valid, groups = get_word(arguments), get_word(get_word(arguments + 8) + _GROUPS)
+    hits, row = get_word(arguments + 32), 4 * get_int(arguments + 40)
+    for lane in range(0, row, 4):
+        if get_int(valid + lane) == 0:
+            continue
+        hit = hits + lane
+        group = np.int32(get_byte(groups + get_int(hit + _TRIANGLE * row)))
+        if group != get_int(hit + _INSTANCE * row):
+            put(valid + lane, np.int32(0))
+
+
+@c_callback(numba.types.void(numba.types.intp))
+def let_through(arguments):
+    """RTCFilterFunctionN: clears the lanes whose ray goes on through an opacity."""
+    _let_through(arguments, False)
+
+
+@c_callback(numba.types.void(numba.types.intp))
+def let_colors_through(arguments):
+    """RTCFilterFunctionN: the same of colored grids."""
+    _let_through(arguments, True)
+
+
+@c_callback(numba.types.void(numba.types.intp))
+def show_groups(arguments):
+    """RTCFilterFunctionN: clears the lanes that hit what another instance shows."""
+    _show_groups(arguments)
+
+
+@c_callback(numba.types.void(numba.types.intp))
+def show_and_let_through(arguments):
+    """RTCFilterFunctionN: both."""
+    _show_groups(arguments)
+    _let_through(arguments, False)
+
+
+@c_callback(numba.types.void(numba.types.intp))
+def show_and_let_colors_through(arguments):
+    """RTCFilterFunctionN: both, of colored grids."""
+    _show_groups(arguments)
+    _let_through(arguments, True)

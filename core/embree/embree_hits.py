@@ -1,0 +1,96 @@
+"""The nearest hits of rays through Embree: embree_rays.py's rows, with what was hit below them.
+
+    Ng 12-14, u 15, v 16, primID 17, geomID 18, instance 19, its place in an array 20   RTCHit
+
+primID stays as it was where nothing is hit. A ray that slips through between two triangles ends
+behind those beside it: there it is asked again (docs/decisions/0030-rays-through-edges.md).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .._jit import kernel
+from ..machine.addresses import call, get_float, get_int, put, stack
+from .embree_rays import put_constants, put_ray, start_aside
+
+_RAY_HIT = 32  # 19, 2 for each level of instances, and room to spare
+_ZERO, _ALL = np.float32(0.0), np.uint32(0xFFFFFFFF)
+# A ray that ends so much farther than the one before is asked again; what is so much nearer counts.
+_FARTHER, _NEARER = np.float32(1.02), np.float32(0.999)
+# The part of Traversal.aside that cameras look aside: less than a pixel, of tiny things as well.
+_ASIDE = np.float32(0.25)
+
+
+@kernel(forceinline=True)
+def _ask_nearest(traversal, ray, ox, oy, oz, d):
+    """Have the nearest hit written to a ray on the stack; how far it is, or infinity."""
+    put_ray(ray, 4, ox, oy, oz, d[0], d[1], d[2])
+    put(ray + 60, _ZERO)
+    put(ray + 64, _ZERO)
+    for row in range(17, 21):
+        put(ray + 4 * row, _ALL)  # no triangle, no instance
+    if traversal.scene != 0:
+        call(traversal.intersect1, (traversal.scene, ray, 0))
+    return get_float(ray + 32)
+
+
+@kernel(forceinline=True)
+def new_look(traversal):
+    """Room for a ray that asks for its nearest hit, on the stack of the kernel that calls this."""
+    ray = stack(_RAY_HIT)
+    put_constants(ray, 4, traversal.time)
+    return ray
+
+
+@kernel(forceinline=True)
+def meets(traversal, ray, origin, d, reach):
+    """Whether there is anything within reach, of which hit_of then tells: the sooner the shorter.
+
+    origin, d: float32 (3,). A ray that slips through between two triangles is not asked again.
+    """
+    put_ray(ray, 4, origin[0], origin[1], origin[2], d[0], d[1], d[2])
+    put(ray + 32, np.float32(reach))
+    for row in range(17, 21):
+        put(ray + 4 * row, _ALL)
+    if traversal.scene != 0:
+        call(traversal.intersect1, (traversal.scene, ray, 0))
+    return get_int(ray + 68) >= 0
+
+
+@kernel(forceinline=True)
+def hit_of(ray):
+    """(face, instance, u, v) of a ray that meets something, as intersect_block writes them."""
+    return get_int(ray + 68), _instance_of(ray), get_float(ray + 60), get_float(ray + 64)
+
+
+@kernel(forceinline=True)
+def _instance_of(ray):
+    """Of what was hit: among instances the one, of an array after these counted on; else -1."""
+    return get_int(ray + 76) + max(get_int(ray + 80), 0)
+
+
+@kernel
+def intersect_block(traversal, origins, directions, triangle, instance, u, v):
+    """Write the nearest hits: triangle int32 (n,), -1 = none; u, v float32 (n,).
+
+    origins, directions: float32 (n, 3), world space; those that follow each other, side by side
+    instance: int32 (n,), in a scene of instances: which one, that counts the triangle so
+    """
+    first, second = stack(_RAY_HIT), stack(_RAY_HIT)
+    put_constants(first, 4, traversal.time)
+    put_constants(second, 4, traversal.time)
+    aside, before = _ASIDE * np.float32(traversal.aside), _ZERO
+    for k in range(len(origins)):
+        x, y, z, d = origins[k, 0], origins[k, 1], origins[k, 2], directions[k]
+        ray, distance = first, _ask_nearest(traversal, first, x, y, z, d)
+        for look in range(2):
+            if aside > _ZERO and distance > _FARTHER * before:
+                sx, sy, sz = start_aside(x, y, z, d[0], d[1], d[2], aside, look)
+                other = _ask_nearest(traversal, second, sx, sy, sz, d)
+                if other < _NEARER * distance:
+                    ray, distance = second, other
+                    break
+        before = distance
+        triangle[k], u[k], v[k] = get_int(ray + 68), get_float(ray + 60), get_float(ray + 64)
+        instance[k] = _instance_of(ray)

@@ -1,0 +1,1 @@
+"""Meshes made finer, and moved: subdivision, dicing, displacement."""

@@ -1,0 +1,1 @@
+"""Shading points on triangles: places, normals, shapes at one time."""

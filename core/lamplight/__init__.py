@@ -1,0 +1,1 @@
+"""The light of lamps, and of faces that shine: their shapes, their samples."""

@@ -1,0 +1,1 @@
+"""Threads, clocks, memory: what is nearer to the machine than to the picture."""

@@ -1,0 +1,1 @@
+"""Mode PAPER: the tables of the paper and its sampler [Huang07]."""

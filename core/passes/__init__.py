@@ -1,0 +1,1 @@
+"""What pixels keep beside their light, and sums to layers of the film."""

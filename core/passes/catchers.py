@@ -1,0 +1,115 @@
+"""Shadow catchers and holdouts: surfaces of which the picture shows their shadow, or a hole.
+
+A catcher shows the world behind it, times s: of the light that it reflects, the part that arrives
+where the other objects stand (Cycles' Shadow Catcher pass); the picture takes the mean of s over
+its colours, as Cycles' does. In a transparent film it is black with the opacity 1 - s. What it is
+made of says only how light from different sides counts. A holdout is black, with the opacity of
+what its ray has gone through, in any film; but beside a catcher, in an opaque film, all is opaque,
+as in Cycles.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data.channels import LUMINANCE
+from ..geometry.shading import ShadingPoints
+from ..sampling.incremental import PixelSums
+from ..scene import HOLDOUT, SHADOW_CATCHER, Scene
+from ..see_through.cutouts import in_holes, opacity_of
+from ..surfaces.backdrop import Backdrop
+from .pass_sums import PassSums, add_background, add_seen, new_pass_sums
+
+
+def has_role(scene: Scene, role: int) -> bool:
+    """Whether any object is a HOLDOUT, or a SHADOW_CATCHER."""
+    return scene.object_flags is not None and bool((scene.object_flags & role).any())
+
+
+def plays(scene: Scene, points: ShadingPoints, role: int) -> np.ndarray:
+    """bool (n,): the points on objects of a role; of a HOLDOUT, or of a material that is one."""
+    found = np.zeros(len(points.pixel), np.bool_)
+    if has_role(scene, role):
+        found = (scene.object_flags[scene.mesh.object_index[points.triangle]] & role) != 0
+    return found | in_holes(scene, points) if role == HOLDOUT else found
+
+
+def arriving(seen: np.ndarray, whole: np.ndarray) -> np.ndarray:
+    """s: float64, 0 to 1, of light with and without the other objects, (n, 3); 1 of none."""
+    share = np.divide(seen, whole, out=np.ones(seen.shape), where=whole > 0.0)
+    return np.minimum(share, 1.0)
+
+
+class CaughtPasses:
+    """What the passes of n pixels saw of catchers."""
+
+    def __init__(self, n: int):
+        self._sums = new_pass_sums(n)
+
+    def add(self, scene: Scene, world: Backdrop, seen, sums: PixelSums, state: PassSums) -> None:
+        """Add passes. seen, sums: of points on catchers; state: learns how noisy the pixels are."""
+        points = seen.points
+        behind = world.radiance(-points.wo) * points.through
+        behind *= np.float32(scene.environment.visible_to_camera)
+        add_seen(points.pixel, points.normal, seen.lobes, sums, self._sums)
+        add_background(points.pixel, behind, False, self._sums)
+        np.add.at(self._sums.opaque, points.pixel, opacity_of(points.through))
+        if scene.transparent_film:
+            behind = np.ones_like(behind)
+        share = arriving(sums.diffuse + sums.glossy, sums.unoccluded)
+        light = share.mean(axis=1) * (behind @ LUMINANCE)
+        own = (light, light**2, sums.count, sums.visible)
+        for name, value in zip(("light", "light_squared", "count", "visible"), own, strict=True):
+            np.add.at(getattr(state, name), points.pixel, value)
+
+    def show(self, scene: Scene, rows: np.ndarray, passes: np.ndarray, layers: dict) -> None:
+        """Add to developed layers. rows: of the pixels that the layers show; passes: theirs."""
+        hits, sums = self._sums.hits[rows, None], self._sums
+        share = arriving((sums.diffuse + sums.glossy)[rows], sums.unoccluded[rows])
+        passes = np.maximum(passes, 1)[:, None]
+        behind = sums.environment[rows] / passes * scene.exposure
+        opaque = sums.opaque[rows] / passes[:, 0]
+        _write(scene, layers, slice(None), share, behind, hits / passes, opaque)
+        if not scene.transparent_film:
+            layers["combined"][..., 3] = 1.0
+
+
+def show_caught(
+    scene: Scene, world: Backdrop, points: ShadingPoints, place, sums: PixelSums, layers: dict
+) -> None:
+    """Overwrite what a picture of one point a pixel shows of catchers and holdouts.
+
+    place: int (n,), pixels of the layers, -1 = outside; sums: of the points
+    """
+    caught = np.flatnonzero(plays(scene, points, SHADOW_CATCHER) & (place >= 0))
+    hidden = np.flatnonzero(plays(scene, points, HOLDOUT) & (place >= 0))
+    if not len(caught) and not len(hidden):
+        return
+    for rows in (caught, hidden):
+        for name in ("combined", "diffuse_direct", "glossy_direct", "emission"):
+            flat = layers[name].reshape(-1, layers[name].shape[2])
+            flat[place[rows]] = 0.0
+    panes = np.maximum(opacity_of(points.through), 0.0)  # what they have taken of the light
+    layers["combined"].reshape(-1, 4)[place[hidden], 3] = panes[hidden]
+    share = arriving((sums.diffuse + sums.glossy)[caught], sums.unoccluded[caught])
+    behind = world.radiance(-points.wo[caught]) * points.through[caught] * scene.exposure
+    behind = behind * np.float32(scene.environment.visible_to_camera)
+    _write(scene, layers, place[caught], share, behind, np.ones((len(caught), 1)), panes[caught])
+    if not scene.transparent_film and has_role(scene, SHADOW_CATCHER):
+        for rows in (caught, hidden):
+            layers["combined"].reshape(-1, 4)[place[rows], 3] = 1.0
+
+
+def _write(scene, layers, where, share, behind, part, opaque) -> None:
+    """Add a share of what is behind and opacity, of a part of pixels; write the layer there.
+
+    opaque: of the pixels, what panes before the catchers have taken of the light
+    """
+    combined = layers["combined"].reshape(-1, 4)
+    gray = share.mean(axis=1)
+    if scene.transparent_film:
+        combined[where, 3] += part[:, 0] * (1.0 - gray) + opaque * gray
+    else:
+        combined[where, :3] += behind * gray[:, None]
+        combined[where, 3] += part[:, 0]
+    layers["shadow_catcher"].reshape(-1, 3)[where] = 1.0 + part * (share - 1.0)

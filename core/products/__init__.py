@@ -1,0 +1,1 @@
+"""Light x BSDF at a shading point, and points that are warped by it."""

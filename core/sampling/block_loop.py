@@ -1,0 +1,284 @@
+"""The paper's loop for mode UNBIASED, in machine code from a block's products to its sums.
+
+A block is the points of one cell of 8 x 8 pixels (neighbours.py), of one pass or a few, whose
+products stay in a core's second cache from round to round. The rounds are those of incremental.py,
+where the loop is written out for any sampler; here samples are traced as soon as the lanes are
+full, so that nothing is written to memory but the sums, and no round asks for Python's lock.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .._jit import kernel
+from ..bsdf.lobes import Lobes
+from ..geometry.shading import ShadingPoints
+from ..products.guide import GuideRoom, guide_of, learn, new_guide_room, next_lesson, scale_product
+from ..products.like_products import build_products
+from ..products.product import Products, new_products
+from ..unit_square.sample_order import MOST_ORDERED
+from ..unit_square.sequence import PixelSequence
+from .incremental import PixelSums, RayBatch, least_count, new_rays, select_points
+from .neighbours import CELL_PX, Neighbours, fill_neighbours
+from .stop_rule import (
+    Rule,
+    RuleRoom,
+    asks_neighbours,
+    begin_rule,
+    decide_rule,
+    end_of_round,
+    finish_rule,
+    new_rule_room,
+)
+from .unbiased import Task, Work, new_work, take_samples
+
+PASSES_AT_ONCE = 8  # of a cell's pixels, at the most
+CELL_POINTS = CELL_PX * CELL_PX
+BLOCK_POINTS = PASSES_AT_ONCE * CELL_POINTS
+# Samples between two looks at the flag of a cancel: some milliseconds.
+_BATCH = MOST_ORDERED
+
+
+class Room(NamedTuple):
+    """Scratch of a thread for blocks of up to n points.
+
+    near, group: of Neighbours; slots: of fill_neighbours
+    wanted, active, some, counts, used: int32 (n,); rays: without room, for take_samples
+    """
+
+    work: Work
+    products: Products
+    rule: RuleRoom
+    guide: GuideRoom
+    near: np.ndarray
+    group: np.ndarray
+    slots: np.ndarray
+    wanted: np.ndarray
+    active: np.ndarray
+    some: np.ndarray
+    counts: np.ndarray
+    used: np.ndarray
+    rays: RayBatch
+
+
+def new_room(glossy: bool, n: int = BLOCK_POINTS) -> Room:
+    """glossy: whether any of the points has a lobe beside Lambert's; n: points of a block."""
+    return Room(
+        new_work(),
+        new_products(n, glossy),
+        new_rule_room(n),
+        new_guide_room(),
+        np.empty((n, 8), np.int32),
+        np.empty(n, np.int32),
+        np.empty((CELL_PX + 2, CELL_PX + 2), np.int32),
+        *(np.empty(n, np.int32) for _ in range(5)),
+        new_rays(0),
+    )
+
+
+class Places(NamedTuple):
+    """Where the points are: column and row of their pixels in the frame, material; int32 (n,)."""
+
+    column: np.ndarray
+    row: np.ndarray
+    material: np.ndarray
+
+
+@kernel(inline="always")
+def _points_at(points, a, b):
+    return ShadingPoints(
+        points.pixel[a:b],
+        points.triangle[a:b],
+        points.position[a:b],
+        points.wo[a:b],
+        points.geometric_normal[a:b],
+        points.normal[a:b],
+        points.lift[a:b],
+        points.lift_below[a:b],
+        points.through[a:b],
+        points.passed[a:b],
+    )
+
+
+@kernel(inline="always")
+def _lobes_at(lobes, a, b):
+    return Lobes(
+        lobes.kind[a:b],
+        lobes.distribution[a:b],
+        lobes.alpha[a:b],
+        lobes.diffuse[a:b],
+        lobes.weight[a:b],
+        lobes.f0[a:b],
+        lobes.edge[a:b],
+        lobes.fresnel[a:b],
+        lobes.normal[a:b],
+        lobes.glossy_normal[a:b],
+        lobes.wo[a:b],
+        lobes.cos_o[a:b],
+        lobes.seen[a:b],
+        lobes.diffuse_share[a:b],
+        lobes.glossy_color[a:b],
+        lobes.emission[a:b],
+        lobes.smooth[a:b],
+        lobes.bump[a:b],
+        lobes.rough[a:b],
+        lobes.narrow[a:b],
+        lobes.tangent[a:b],
+        lobes.tint[a:b],
+        lobes.table[a:b],
+        lobes.tables,
+    )
+
+
+@kernel(inline="always")
+def _sums_at(sums, a, b):
+    return PixelSums(
+        sums.count[a:b],
+        sums.visible[a:b],
+        sums.diffuse[a:b],
+        sums.glossy[a:b],
+        sums.unoccluded[a:b],
+        sums.seen[a:b],
+        sums.seen_squared[a:b],
+        sums.hue[a:b],
+        sums.error[a:b],
+    )
+
+
+@kernel(inline="always")
+def _take_piece(task, n_active, first, end, traversal, sums, room, stop):
+    """Samples first ... end - 1 of the active points that want them; how many had a ray."""
+    active, wanted, some, counts = room.active, room.wanted, room.some, room.counts
+    n, total, traced = 0, 0, 0
+    for a in range(n_active):
+        p = active[a]
+        count = min(wanted[p], end) - first
+        if count > 0:
+            some[n], counts[n] = p, count
+            n, total = n + 1, total + count
+        if n > 0 and (total > _BATCH or a == n_active - 1):
+            if stop[0]:
+                break
+            own = some, n, first, counts
+            traced += take_samples(task, room.work, *own, traversal, sums, room.rays)
+            for k in range(n):
+                sums.count[some[k]] += counts[k]
+            n, total = 0, 0
+    return traced
+
+
+@kernel
+def _scale_products(products, sums, room):
+    """Scale what points use that go on, each product once."""
+    used, n = room.used, len(sums.count)
+    for p in range(n):
+        used[p] = 0
+    for p in range(n):
+        if room.wanted[p] > sums.count[p]:
+            used[products.own[p]] = 1
+    for row in range(n):
+        if used[row] != 0:
+            scale_product(products, row, room.guide.ratio)
+
+
+@kernel(inline="always")
+def _take_round(task, n_active, first, end, traversal, sums, room, stop):
+    """The same for a whole round, with the guide's lessons in between."""
+    traced, guide = 0, task.guide
+    while first < end and not stop[0]:
+        piece = min(end, first + _BATCH)
+        if len(guide.learnt) > 0:
+            if first >= next_lesson(guide):
+                learn(guide, first, room.guide)
+                _scale_products(task.products, sums, room)
+            piece = min(piece, next_lesson(guide))
+        traced += _take_piece(task, n_active, first, piece, traversal, sums, room, stop)
+        first = piece
+    return traced
+
+
+@kernel(inline="always")
+def _continue_block(task, traversal, rule, neighbours, sums, room, stop):
+    """incremental.continue_points for one block; how many samples had a ray."""
+    n = len(sums.count)
+    wanted, active = room.wanted[:n], room.active
+    begin_rule(rule, neighbours, sums, room.rule, wanted)
+    for p in range(n):
+        if not task.products.trees[task.products.own[p], 0] > np.float32(0.0):
+            wanted[p] = 0
+    traced, taken = 0, least_count(wanted, sums)
+    while taken >= 0 and not stop[0]:
+        n_active = select_points(wanted, taken, sums, active)
+        end = end_of_round(rule, taken)
+        traced += _take_round(task, n_active, taken, end, traversal, sums, room, stop)
+        decide_rule(rule, neighbours, active, n_active, end, sums, room.rule, wanted)
+        taken = least_count(wanted, sums)
+    finish_rule(rule, neighbours, sums, room.rule)
+    return traced
+
+
+@kernel(inline="always")
+def _prepare_products(task, apart, scratch):
+    """Build the products of a block, as its guide wants them."""
+    products = task.products
+    n = len(task.lobes.kind)
+    build_products(task.lobes, 0, n, apart, task.light, products, scratch)
+    if len(task.guide.learnt) > 0 and task.guide.learnt[0] > 0:
+        for p in range(n):
+            if products.own[p] == p:
+                scale_product(products, p, task.guide.gain[0])
+
+
+@kernel
+def continue_blocks(
+    bounds,
+    guides,
+    where,
+    points,
+    lobes,
+    apart,
+    light,
+    sequence,
+    offset,
+    traversal,
+    rule,
+    sums,
+    room,
+    stop,
+):
+    """Add samples to points until each has as many as the rule wants: number of rays traced.
+
+    bounds: int32 (blocks + 1,), where blocks of points begin, at most BLOCK_POINTS each; for rule
+        PERCEPTUAL whole cells, in neighbours.cell_order
+    guides: of the blocks, added to; of none: nothing is learnt
+    where: Places; apart: of build_products; sequence: of the points; offset: float32
+    rule: stop_rule.Rule
+    sums: PixelSums, added to; stop: uint8 (1,), ends it early if not 0, with what there is
+    """
+    traced = 0
+    for block in range(len(bounds) - 1):
+        a, b = bounds[block], bounds[block + 1]
+        neighbours = Neighbours(room.near[: b - a], room.group[: b - a])
+        own = _points_at(points, a, b)
+        if asks_neighbours(rule):
+            own_places = where.column[a:b], where.row[a:b], where.material[a:b]
+            fill_neighbours(*own_places, own.normal, room.slots, neighbours)
+        part = Rule(rule.kind, rule.threshold, rule.batch, rule.typical, rule.most, rule.plan[a:b])
+        task = Task(
+            own,
+            _lobes_at(lobes, a, b),
+            light,
+            room.products,
+            guide_of(guides, block),
+            PixelSequence(sequence.points, sequence.x[a:b], sequence.y[a:b], sequence.scrambled),
+            offset,
+        )
+        _prepare_products(task, apart, room.work.scratch)
+        traced += _continue_block(
+            task, traversal, part, neighbours, _sums_at(sums, a, b), room, stop
+        )
+        if stop[0]:
+            break
+    return traced

@@ -1,0 +1,1 @@
+"""Surfaces that let rays through, and who sees which triangles."""

@@ -1,0 +1,145 @@
+"""What cut-outs let through, on a grid over each triangle: so that a shadow ray can ask Embree.
+
+A leaf is a card with an image of its alpha. Its program is evaluated once, at the corners of R^2
+small triangles on each triangle, about as far apart as the texels that it looks up; triangles
+that look up the same texels share a grid. Embree's filter (embree_filter.py) interpolates between
+the corners. What depends on the ray (Fresnel, Backfacing, ...) has no such grid
+(docs/decisions/0022-closures-and-cut-outs.md).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data.program import Program
+from ..data.program_ops import COORDINATES, is_of_corners, ops_behind
+from ..embree.embree_filter import Opacity
+from ..geometry.round_points import is_round
+from ..nodes import Evaluation, ShadeContext
+from ..nodes.values import normalized
+from ..scene import Scene
+from .cutouts import passing_color, share_of
+
+# Grids are as fine as this at the most; more corners than this are not made for one material: some
+# seconds of work, and as many bytes.
+FINEST = 512
+MOST_CORNERS = 1 << 24
+# Where no image says how fine the pattern is: steps along an edge, at the most and at the least,
+# and about how many corners all triangles get together.
+_PROCEDURAL, _COARSEST, _CORNERS = 64, 4, 1 << 20
+# What texels show bends between them: where few corners do, so many steps to a texel.
+_WITHIN_TEXEL = 4
+_POINTS_AT_ONCE = 1 << 18
+
+
+def bake_opacity(scene: Scene, triangles: np.ndarray, colored: bool = True) -> Opacity:
+    """Grids for some triangles, bool (m,), whose materials have programs that can be baked.
+
+    A material that would need more than MOST_CORNERS gets none.
+    colored: whether the grids may be; they are if some material lets one color through more than
+        another
+    """
+    materials = scene.mesh.material_index
+    row = np.full(len(materials), -1, np.int32)
+    sides, values = [np.zeros(0, np.int32)], []
+    n = 0
+    for material in np.unique(materials[triangles]):
+        program = scene.shaders.programs[material]
+        which = np.flatnonzero(triangles & (materials == material)).astype(np.int32)
+        first, again = _shared(scene, program, which)
+        side = _sides(scene, program, which[first])
+        if _corners(side.astype(np.int64)).sum() > MOST_CORNERS:
+            continue
+        order = np.argsort(side, kind="stable")
+        place = np.empty(len(order), np.int32)
+        place[order] = np.arange(len(order))
+        row[which] = n + place[again]
+        first, side = first[order], side[order]
+        for size in np.unique(side):
+            values.append(_grids(scene, program, which[first[side == size]], int(size), colored))
+        sides.append(side)
+        n += len(side)
+    if all((grids == grids[:, :1]).all() for grids in values):
+        values, colored = [grids[:, :1] for grids in values], False
+    side = np.concatenate(sides)
+    sizes = _corners(side.astype(np.int64)) * (3 if colored else 1)
+    whole = np.concatenate([np.zeros(0, np.uint8), *(grids.ravel() for grids in values)])
+    return Opacity(row, np.cumsum(sizes) - sizes, side, whole, colored)
+
+
+def _context(scene: Scene, triangle, barycentric) -> ShadeContext:
+    """Places on triangles, met by a shadow ray from straight above."""
+    mesh, shaders = scene.mesh, scene.shaders
+    u, v = barycentric[:, :1], barycentric[:, 1:]
+    weights = 1.0 - u - v, u, v
+    a, b, c = (mesh.vertices[corner] for corner in mesh.triangles[triangle].T)
+    position = sum(w * corner for w, corner in zip(weights, (a, b, c), strict=True))
+    normals = mesh.corner_normals[triangle]
+    normal = normalized(sum(w * normals[:, k] for k, w in enumerate(weights)))
+    face = normalized(np.cross(b - a, c - a))
+    own = shaders.material_pass_index, triangle, barycentric, position, face, normal, face, True
+    return ShadeContext(mesh, shaders.surface, scene.camera, *own)
+
+
+def _shared(scene: Scene, program: Program, which) -> tuple[np.ndarray, np.ndarray]:
+    """(rows of ``which`` that have a grid of their own, for each of which the grid that it has)."""
+    ops = ops_behind(program, program.transparent)
+    alone = np.arange(len(which))
+    if not all(is_of_corners(op) for op in ops):
+        return alone, alone
+    surface = scene.shaders.surface
+    rows = surface.row[which]
+    columns = [surface.mirrored[scene.mesh.object_index[which]][:, None], (rows < 0)[:, None]]
+    columns += [is_round(scene, which)[:, None]]
+    columns += [table[rows].reshape(len(rows), -1) for table in surface.tables.values()]
+    keys = np.concatenate([np.asarray(c, np.float32) for c in columns], axis=1)
+    _, first, again = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    return first, again.ravel().astype(np.int32)
+
+
+def _sides(scene: Scene, program: Program, triangles) -> np.ndarray:
+    """int32 (n,): R of each grid, a power of two, by the texels that its images have there."""
+    n = len(triangles)
+    corners = np.tile(np.float32([[0, 0], [1, 0], [0, 1]]), (n, 1))
+    context = _context(scene, np.repeat(triangles, 3), corners)
+    evaluation, wanted = Evaluation(program, context), np.ones(n)
+    for op in ops_behind(program, program.transparent):
+        if op.kind == "ShaderNodeTexImage" and op.settings["image"] is not None:
+            size = max(max(t.shape[:2]) for t in op.settings["image"].tiles.values())
+            vector = op.inputs.get("Vector")
+            place = context.uv() if vector is None else evaluation.vector(vector)
+            spread = np.ptp(place.reshape(n, 3, 3), axis=1).max(axis=1)
+            wanted = np.maximum(wanted, np.nan_to_num(spread) * size)
+        elif op.settings.get("outputs") and op.kind not in COORDINATES:
+            wanted = np.maximum(wanted, np.clip((2 * _CORNERS / n) ** 0.5, _COARSEST, _PROCEDURAL))
+    if wanted.max() == 1.0 and not isinstance(program.transparent, np.ndarray):
+        wanted[:] = np.clip((2 * _CORNERS / n) ** 0.5, _COARSEST, _PROCEDURAL)
+    sides = (2.0 ** np.ceil(np.log2(np.clip(wanted, 1.0, FINEST)))).astype(np.int64)
+    finer = np.maximum(sides, np.minimum(_WITHIN_TEXEL * sides, _PROCEDURAL))
+    few = (wanted > 1.0).any() and _corners(finer).sum() <= _CORNERS
+    return (finer if few else sides).astype(np.int32)
+
+
+def _corners(side):
+    """Of the small triangles of a grid."""
+    return (side + 1) * (side + 2) // 2
+
+
+def _grids(scene: Scene, program: Program, triangles, side: int, colored: bool) -> np.ndarray:
+    """uint8 (n, 3 if colored else 1, corners): what passes at the corners of the small triangles
+    of n triangles."""
+    v, u = np.divmod(np.arange((side + 1) ** 2), side + 1)
+    inside = u + v <= side
+    places = (np.stack([u, v], -1)[inside] / side).astype(np.float32)
+    many = np.repeat(triangles, len(places))
+    out = np.empty((len(many), 3 if colored else 1), np.uint8)
+    step = max(_POINTS_AT_ONCE // len(places), 1) * len(places)
+    for first in range(0, len(many), step):
+        some = many[first : first + step]
+        context = _context(scene, some, np.tile(places, (len(some) // len(places), 1)))
+        passing = passing_color(program, Evaluation(program, context))
+        passing = np.minimum(passing, 1.0) if colored else share_of(passing)[:, None]
+        # A ray goes through a point or strand by two faces, by which it passes once in Cycles.
+        passing = np.where(is_round(scene, some)[:, None], np.sqrt(passing), passing)
+        out[first : first + step] = np.rint(passing * 255.0)
+    return out.reshape(len(triangles), len(places), -1).transpose(0, 2, 1)

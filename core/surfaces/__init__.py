@@ -1,0 +1,1 @@
+"""Materials at shading points: programs evaluated, closures mixed."""

@@ -1,0 +1,1 @@
+"""Noise, cells and images at many places: kernels of core/nodes."""

@@ -1,0 +1,1 @@
+"""The work at a tile, from rays to layers, and its budget."""

@@ -1,0 +1,1 @@
+"""Light that walks under surfaces."""

@@ -1,0 +1,1 @@
+"""Sparse Haar series: transform, product, and tables of them on disk."""

@@ -1,0 +1,1 @@
+"""Texels of images, skies, black bodies and luminaires' files."""

@@ -1,0 +1,1 @@
+"""Blender's lights to rows of lamps, with their pictures."""

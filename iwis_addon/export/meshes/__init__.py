@@ -1,0 +1,1 @@
+"""What one object shows, in its own space: meshes, diced ones, points and strands."""

@@ -1,0 +1,1 @@
+"""What objects say of themselves: rays, links, groups, properties."""

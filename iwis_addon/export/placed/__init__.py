@@ -1,0 +1,1 @@
+"""What stands where: instances, and the scene's one table of triangles."""

@@ -1,0 +1,1 @@
+"""Trees of nodes to closures and programs."""

@@ -1,0 +1,149 @@
+"""Images of Image Texture nodes as core.data.program.ImageTiles: bytes where the file has bytes.
+
+Cycles multiplies colour by alpha when it loads an image, interpolates, and divides again where the
+node's Alpha is used. Texels in sRGB are decoded after that.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import tempfile
+from contextlib import nullcontext
+
+import bpy
+import numpy as np
+
+from ....core.data.program import ImageTiles
+from ...scratch import scratch
+from ..images.image import ImageError, Room, bytes_of, pixels_of, read_by, srgb_encode, texels_of
+from ..images.movies import frame_of
+
+_FIRST_TILE = 1001
+
+
+class ImageStore:
+    """Each image once, whatever number of nodes and materials show it.
+
+    cache: TexelCache of the job, or None
+    """
+
+    def __init__(self, cache=None):
+        self._cache = cache
+        self._read: dict[tuple, ImageTiles] = {}
+        self._room = Room()
+
+    def tiles(self, image, image_user) -> ImageTiles:
+        """Raises ImageError with what to do."""
+        shown = None if self._cache is None else self._cache.frame
+        frame = 0
+        if image_user is not None and image.source in ("SEQUENCE", "MOVIE"):
+            now = shown if image.source == "MOVIE" else None
+            frame = frame_of(image_user, now)
+        key = image.session_uid, frame
+        if key not in self._read:
+            kind = _read_tiles if image.source == "TILED" else _read_image
+            make = functools.partial(kind, room=self._room, frame=shown)
+            if self._cache is None:
+                self._read[key] = make(image, image_user)
+            else:
+                self._read[key] = self._cache.tiles(image, image_user, make)
+        return self._read[key]
+
+
+def image_settings(builder, node) -> dict:
+    """The settings of core.nodes.images.image_texture."""
+    image, warn = node.image, builder.reader.warn
+    tiles = None
+    try:
+        if image is None:
+            raise ImageError("no image is chosen: choose one in the node, or remove the node")
+        tiles = builder.images.tiles(image, node.image_user)
+    except ImageError as error:
+        warn(node, f"{error}. Pink instead, as in Cycles")
+    straight = image is not None and image.alpha_mode in ("STRAIGHT", "PREMUL")
+    data = image is not None and image.colorspace_settings.is_data
+    return {
+        "image": tiles,
+        "interpolation": node.interpolation,
+        "extension": node.extension,
+        "projection": node.projection,
+        "projection_blend": node.projection_blend,
+        "tiled": image is not None and image.source == "TILED",
+        "unassociate": straight and not data and node.outputs["Alpha"].is_linked,
+    }
+
+
+def _read_image(image, image_user, room, frame) -> ImageTiles:
+    rgba, encoded = _read_rgba(image, image_user, room, frame)
+    return ImageTiles({(0, 0): rgba}, encoded)
+
+
+def _read_tiles(image, _image_user, room, **_of_movies) -> ImageTiles:
+    """The tiles of a UDIM image, each from its own file, or from what is packed."""
+    try:
+        return _read_all_tiles(image, room)
+    except OSError as error:
+        told = f"cannot be put into the temporary folder ({error.strerror or error})"
+        raise ImageError(f"image {image.name!r}: its packed tiles {told}: make room") from None
+
+
+def _read_all_tiles(image, room) -> ImageTiles:
+    packed = {entry.tile_number: entry for entry in image.packed_files}
+    tiles, encoded = {}, False
+    # Only packed tiles pass through a folder: others need none that can be written.
+    place = tempfile.TemporaryDirectory(prefix="iwis-tiles-") if packed else nullcontext()
+    with place as folder:
+        for tile in image.tiles:
+            number = tile.number - _FIRST_TILE
+            path = _tile_path(image, number)
+            if tile.number in packed:
+                path = os.path.join(folder, os.path.basename(path))
+                with open(path, "wb") as file:
+                    file.write(packed[tile.number].packed_file.data)
+            elif not os.path.exists(path):
+                why = f"there is no file {path} of tile {tile.number}"
+                raise ImageError(f"image {image.name!r}: {why}")
+            read = _read_tile(image, path, bool(packed), room)
+            tiles[number % 10, number // 10], encoded = read
+    return ImageTiles(tiles, encoded)
+
+
+def _tile_path(image, number: int) -> str:
+    """The file of a tile, counted from 0."""
+    path = bpy.path.abspath(image.filepath_raw, library=image.library)
+    path = path.replace("<UDIM>", str(number + _FIRST_TILE))
+    return path.replace("<UVTILE>", f"u{number % 10 + 1}_v{number // 10 + 1}")
+
+
+def _read_tile(image, path: str, packed: bool, room):
+    with scratch(bpy.data.images, bpy.data.images.load(path)) as loaded:
+        loaded.colorspace_settings.name = image.colorspace_settings.name
+        loaded.alpha_mode = image.alpha_mode
+        if packed:
+            loaded.pack()
+        return _read_rgba(loaded, None, room)
+
+
+def _read_rgba(image, image_user, room, frame=None) -> tuple[np.ndarray, bool]:
+    """(uint8 or float32 (h, w, 4), whether it is sRGB still)."""
+    no_alpha = image.alpha_mode == "NONE" or image.source == "SEQUENCE"
+
+    def read(own):
+        rgba = bytes_of(own, room)
+        if rgba is None:
+            return _floats_of(own, no_alpha)
+        if no_alpha:
+            rgba[..., 3] = 255
+        return rgba, not own.colorspace_settings.is_data
+
+    return read_by(read, image, image_user, frame)
+
+
+def _floats_of(image, no_alpha) -> tuple[np.ndarray, bool]:
+    rgb, encoded = texels_of(image)
+    rgba = np.ones((*rgb.shape[:2], 4), np.float32)
+    rgba[..., :3] = srgb_encode(rgb) if encoded else rgb
+    if not no_alpha:
+        rgba[..., 3] = pixels_of(image)[..., 3]
+    return rgba, encoded
