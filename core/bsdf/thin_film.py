@@ -37,7 +37,6 @@ from .thin_film_seen import seen_orders
 from .thin_film_tables import GAUSSIANS
 
 INDEXED = 8  # bit of Lobes.tint[2]: the metal is given by its indices
-THINNEST = np.float32(0.1)  # nm; below it there is no film
 # nm below which a film's index goes to that of air; in Cycles of Blender 4 more.
 _FADES, _FADED_IN_4 = np.float32(1.0), np.float32(30.0)
 _MOST_F0, _TINY, _LEAST_F0 = np.float32(0.999), np.float32(1e-20), np.float32(1e-5)

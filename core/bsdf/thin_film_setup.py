@@ -19,13 +19,12 @@ from .lobes import CONDUCTOR, CONDUCTOR_LOBE, DIELECTRIC, DIELECTRIC_LOBE, THIN_
 from .microfacet import F82_FACTOR, F82_SCHLICK, ONE, ZERO, f82_mean
 from .thin_film import (
     INDEXED,
-    THINNEST,
     conductor_reflectance,
     dielectric_film,
     metal_film,
     triple,
 )
-from .thin_film_tables import GAUSSIANS
+from .thin_film_tables import GAUSSIANS, THINNEST
 
 _EDGE = np.float32(1.0 / 7.0)  # the cosine where a metal's edge tint counts
 _LEAST_IOR, _MOST_IOR = np.float32(1e-5), np.float32(1e6)

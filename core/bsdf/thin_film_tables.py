@@ -13,22 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-# The colour matching functions x, y and z, in 1e-4, from 380 to 780 nm in steps of 5.
-_OBSERVER = """
-14 0 65  22 1 105  42 1 201  76 2 362  143 4 679  232 6 1102  435 12 2074  776 22 3713
-1344 40 6456  2148 73 10391  2839 116 13856  3285 168 16230  3483 230 17471  3481 298 17826
-3362 380 17721  3187 480 17441  2908 600 16692  2511 739 15281  1954 910 12876
-1421 1126 10419  956 1390 8130  580 1693 6162  320 2080 4652  147 2586 3533  49 3230 2720
-24 4073 2123  93 5030 1582  291 6082 1117  633 7100 782  1096 7932 573  1655 8620 422
-2257 9149 298  2904 9540 203  3597 9803 134  4334 9950 87  5121 10000 57  5945 9950 39
-6784 9786 27  7621 9520 21  8425 9154 18  9163 8700 17  9786 8163 14  10263 7570 11
-10567 6949 10  10622 6310 8  10456 5668 6  10026 5030 3  9384 4412 2  8544 3810 2
-7514 3210 1  6424 2650 0  5419 2170 0  4479 1750 0  3608 1382 0  2835 1070 0  2187 816 0
-1649 610 0  1212 446 0  874 320 0  636 232 0  468 170 0  329 119 0  227 82 0  158 57 0
-114 41 0  81 29 0  58 21 0  41 15 0  29 10 0  20 7 0  14 5 0  10 4 0  7 2 0  5 2 0
-3 1 0  2 1 0  2 1 0  1 0 0  1 0 0  1 0 0  0 0 0
-"""
-_FIRST, _STEP = 380.0, 5.0  # nm
+from ..data.observer import observer
+
 TABLE_POINTS = 512
 # What one step of the table is worth, in 1 / nm; its end is 60 um of phase.
 STEPS_PER_NM = 2.0 * np.pi * (TABLE_POINTS - 1) / 60000.0
@@ -42,6 +28,7 @@ _SPACES = {
 _BRADFORD = np.array(
     [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
 )
+THINNEST = np.float32(0.1)  # nm; below it Cycles sees no film
 # ThinFilm.space: these three, and the Gaussians of the paper, which Cycles of Blender 4 has.
 REC709, REC2020, ACESCG, GAUSSIANS = range(4)
 
@@ -64,12 +51,6 @@ def _from_xyz(space: str) -> np.ndarray:
     gains = (_BRADFORD @ _xyz(_D65)) / (_BRADFORD @ _xyz(white))
     adapted = np.linalg.inv(_BRADFORD) @ (gains[:, None] * _BRADFORD) @ to_xyz
     return np.linalg.inv(adapted)
-
-
-def observer() -> tuple[np.ndarray, np.ndarray]:
-    """(wavelengths (81,), nm; colour matching functions (81, 3)), float64."""
-    functions = np.array(_OBSERVER.split(), np.float64).reshape(-1, 3) * 1e-4
-    return _FIRST + _STEP * np.arange(len(functions)), functions
 
 
 def sensitivities() -> np.ndarray:

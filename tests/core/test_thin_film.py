@@ -11,9 +11,9 @@ from iwis.core.bsdf.thin_film_tables import (
     REC709,
     REC2020,
     film_space,
-    observer,
     sensitivities,
 )
+from iwis.core.data.observer import observer
 from support.thin_films import GOLD, dielectric, edge_of, fresnel_of, metal
 
 _F = np.float32

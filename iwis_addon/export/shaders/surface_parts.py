@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import bpy
 import numpy as np
 
-from ....core.bsdf.thin_film_tables import GAUSSIANS, film_space
+from ....core.bsdf.thin_film_tables import GAUSSIANS, THINNEST, film_space
 from ....core.data.program import Closure, Ref, ThinFilm, Value
 from ....core.scene import BECKMANN, DIFFUSE, GGX, MULTI_GGX
 from ..images.image import working_space
@@ -16,7 +16,6 @@ from .program_builder import ProgramBuilder
 DISTRIBUTIONS = {"GGX": GGX, "MULTI_GGX": MULTI_GGX, "BECKMANN": BECKMANN}
 WHITE, BLACK = np.ones(3, np.float32), np.zeros(3, np.float32)
 ONE, ZERO = np.float32(1.0), np.float32(0.0)
-_THINNEST = 0.1  # nm; below it Cycles sees no film
 
 
 def is_constant(value, number=None) -> bool:
@@ -87,7 +86,7 @@ class SurfaceBuilder:
         if name not in node.inputs:  # Metallic BSDFs before Blender 5
             return None
         thickness = self._builder.number(node, name, groups)
-        if is_constant(thickness) and not thickness > _THINNEST:
+        if is_constant(thickness) and not thickness > THINNEST:
             return None
         ior = self._builder.number(node, "Thin Film IOR", groups)
         metal = [self._builder.color(node, index, groups) for index in indices]
