@@ -7,7 +7,10 @@ is scaled by sqrt(V (1 - V / 2)). Every round is unbiased given those before it,
 learnt, and so is their sum.
 
 V of a cell leans on that of the cell four times as large, as if _TRUST rays had seen that, and so
-on up to the whole sphere. docs/decisions/0016-learnt-visibility.md has the figures.
+on up to the whole sphere. Of a cell's rays no more than _TOLD tell of what is around it: thousands
+go into a hidden sun, which is no reason to give up the sky beside it. V is never less than _DOUBT
+rays of all that were asked: a few leave doubt, many let go even of a sun a thousand times as bright
+as the sky. docs/decisions/0016-learnt-visibility.md has the figures.
 """
 
 from __future__ import annotations
@@ -22,7 +25,7 @@ from .product import BASE_BEGIN, BASE_CELLS, BASE_LEVEL, BLOCK_BEGIN
 from .product_build import sum_base
 
 _TRUST = np.float32(8.0)
-_LEAST = np.float32(0.05)  # gain: nothing is given up, and no sample is 20 times too bright
+_TOLD, _DOUBT = np.float32(24.0), np.float32(0.01)
 _ONE, _SMOOTH = np.float32(1.0), np.float32(0.5)
 _FIRST, _FACTOR = 2, 4  # learn at 2 samples of a point, 8, 32, 128 ...
 _FULL = np.uint16(65535)
@@ -95,15 +98,24 @@ def note_rays(lanes, n_rays, guide):
         free[c] += np.uint16(lanes.seen[s] != 0)
 
 
+@kernel(forceinline=True)
+def _count_cells(guide, most, room):
+    """Write the counts of the base to the room, of no more than ``most`` rays of a cell."""
+    for c in range(BASE_CELLS):
+        asked, free = np.float32(guide.asked[0, c]), np.float32(guide.free[0, c])
+        share = min(_ONE, most / max(asked, _ONE))
+        room.asked[BASE_BEGIN + c], room.free[BASE_BEGIN + c] = asked * share, free * share
+
+
 @kernel
 def learn(guide, taken, room):
     """Work out the gain anew; room.ratio: over the gain before. taken: samples of a point."""
     asked, part, gain = room.asked, room.free, guide.gain[0]
-    for c in range(BASE_CELLS):
-        asked[BASE_BEGIN + c] = np.float32(guide.asked[0, c])
-        part[BASE_BEGIN + c] = np.float32(guide.free[0, c])
+    _count_cells(guide, _TOLD, room)
     sum_base(asked)
     sum_base(part)
+    _count_cells(guide, np.float32(_FULL), room)
+    least = np.sqrt(_DOUBT / (np.sum(asked[BASE_BEGIN : BASE_BEGIN + BASE_CELLS]) + _ONE))
     part[0] = (part[0] + _ONE) / (asked[0] + np.float32(2.0))
     for level in range(1, BASE_LEVEL + 1):
         begin, above = level_offset(level), level_offset(level - 1)
@@ -112,7 +124,7 @@ def learn(guide, taken, room):
             part[begin + k] = (part[begin + k] + prior) / (asked[begin + k] + _TRUST)
     for c in range(BASE_CELLS):
         free = part[BASE_BEGIN + c]
-        new = max(np.sqrt(free * (_ONE - _SMOOTH * free)), _LEAST)
+        new = max(np.sqrt(free * (_ONE - _SMOOTH * free)), least)
         room.ratio[c] = new / gain[c]
         gain[c] = new
     guide.learnt[0] = taken
