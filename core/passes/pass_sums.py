@@ -25,7 +25,7 @@ from ..sampling.neighbours import hue_spread, reflected_chroma
 _CONVERGENCE = 1.3
 # What is known from the samples inside the passes counts as that many passes.
 _PRIOR_PASSES = 2.0
-# Of glints: variance of a pixel's passes over its squared mean. What two of five have has 1.5.
+# Variance of a pixel's passes over its squared mean: of light that two of five have it is 1.5.
 _SELDOM = 1.5
 
 
@@ -209,23 +209,24 @@ def cell_spreads(cell: np.ndarray, n_cells: int, passes, light, spread) -> np.nd
     )
 
 
-def glint_spreads(cell: np.ndarray, n_cells: int, samples: int, state: PassSums, spread):
-    """r of the cells whose gloss comes in glints, float32 (n_cells,); 0 of others.
+def seldom_spreads(cell: np.ndarray, n_cells: int, samples: int, state: PassSums, spread):
+    """r of the cells whose reflected light comes seldom, float32 (n_cells,); 0 of others.
 
-    Glints are smaller than pixels: few passes see one. A pixel that no pass has shown its glint
-    looks done, and one that has seen it does not: beads of metal came out an eighth too dark. So
-    where a cell's gloss comes from two of five passes of its pixels, or fewer, all ask for what it
-    says together. cell, spread: of n pixels, as cell_spreads; samples: of a pass; state: of them
+    Glints, and flecks of sun between leaves, are smaller than pixels: few passes see one. A pixel
+    that no pass has shown its glint looks done, and one that has seen it does not: beads of metal
+    came out an eighth too dark. So where two of five passes of a cell's pixels have its light, or
+    fewer, all ask for what it says together.
+    cell, spread: of n pixels, as cell_spreads; samples: of a pass; state: of them
     """
     passes = np.maximum(state.passes, 1)
-    gloss, light = (state.glossy @ LUMINANCE) / passes, state.light / passes
-    squared = gloss.astype(np.float64) ** 2
-    spread_of_gloss = np.bincount(cell, np.float64(spread) ** 2 * squared, n_cells)
-    seldom = spread_of_gloss > _SELDOM * samples * np.bincount(cell, squared, n_cells)
+    lit = ((state.diffuse + state.glossy) @ LUMINANCE) / passes
+    squared = lit.astype(np.float64) ** 2
+    spread_of_lit = np.bincount(cell, np.float64(spread) ** 2 * squared, n_cells)
+    seldom = spread_of_lit > _SELDOM * samples * np.bincount(cell, squared, n_cells)
     count = np.maximum(np.bincount(cell, minlength=n_cells), 1)
-    whole = np.bincount(cell, light, n_cells) / count
+    whole = np.bincount(cell, state.light / passes, n_cells) / count
     pooled = np.zeros(n_cells)
-    np.divide(spread_of_gloss / count, whole**2, out=pooled, where=seldom & (whole > 0.0))
+    np.divide(spread_of_lit / count, whole**2, out=pooled, where=seldom & (whole > 0.0))
     return np.sqrt(pooled).astype(np.float32)
 
 

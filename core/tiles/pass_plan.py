@@ -19,7 +19,7 @@ from ..camera.pass_rays import PILOT
 from ..camera.silhouettes import Silhouettes
 from ..data.rows import rows_of
 from ..passes.light_edges import add_edges
-from ..passes.pass_sums import PassSums, cell_spreads, fill_spreads, glint_spreads
+from ..passes.pass_sums import PassSums, cell_spreads, fill_spreads, seldom_spreads
 from ..sampling.stop_rule import FLOOR, plan_counts, threshold_of, typical_count
 from ..settings import RenderSettings
 
@@ -95,12 +95,10 @@ class PassPlan:
             shared = cell_spreads(cell, self._n_cells, passes, light, own(blurred_ones))
             which = self._silhouettes.blurred[pixels]
             spread[which] = shared[self._cell[pixels[which]]]
-        if sums.glossy.any():
-            every, cell = self._pixels, self._cell
-            own_sums = PassSums(*rows_of(sums, every))
-            glints = glint_spreads(cell[every], self._n_cells, self._batch, own_sums, own(every))
-            np.maximum(spread, glints[cell[pixels]], out=spread)
-        return spread
+        every, cell = self._pixels, self._cell
+        own_sums = PassSums(*rows_of(sums, every))
+        seldom = seldom_spreads(cell[every], self._n_cells, self._batch, own_sums, own(every))
+        return np.maximum(spread, seldom[cell[pixels]])
 
     def _perceptual(self, active, sums) -> np.ndarray:
         """PERCEPTUAL: N = T r^.75, in passes."""

@@ -162,25 +162,26 @@ def test_noise_between_pixels_is_no_edge():
     assert (plan.spreads(pixels, 45.0, sums) < 1.2 * alike.spreads(pixels, 45.0, same)).all()
 
 
-def _glossy_cells(spread):
-    """(plan, pixels, sums) of two cells of eight matte pixels that are sure of their light, of
-    which one has gloss, ten times as bright, with that spread of its passes."""
+def _glint(spread, kind):
+    """(plan, pixels, sums) of two cells of eight pixels that are sure of their light, of which one
+    has light of that kind, ten times as bright, with that spread of its passes."""
     settings = {"stop_rule": "PERCEPTUAL", "error_threshold": 0.1, "max_samples": 4096}
     plan, pixels = _row_of(np.zeros(16, np.bool_), np.arange(16) >= 8, **settings)
     light, own = np.ones(16), np.zeros(16)
     light[2], own[2] = 10.0, spread
     sums = _some_sums(pixels, own, light)
-    sums.glossy[pixels[2]] = 4.0 * 9.0
+    getattr(sums, kind)[pixels[2]] = 4.0 * 9.0
     return plan, pixels, sums
 
 
-def test_pixels_of_a_cell_with_glints_go_on_though_they_have_seen_none():
-    """All of the cell's, where gloss comes of one pass in four; no other's. Where most passes show
+@pytest.mark.parametrize("kind", ["glossy", "diffuse"])
+def test_pixels_of_a_cell_with_glints_go_on_though_they_have_seen_none(kind):
+    """All of the cell's, where light comes of one pass in four; no other's. Where most passes show
     it a pixel beside is as sure as before, but for the edge."""
-    plan, pixels, sums = _glossy_cells(np.sqrt(3.0))
+    plan, pixels, sums = _glint(np.sqrt(3.0), kind)
     wanted = plan.wanted(pixels, 4, sums)
     assert (wanted[:8] > 12).all() and (wanted[8:] == 4).all()
-    plan, pixels, sums = _glossy_cells(0.5)
+    plan, pixels, sums = _glint(0.5, kind)
     wanted = plan.wanted(pixels, 4, sums)
     assert wanted[2] > 4 and (wanted[[0, 4, 5, 6, 7]] == 4).all()
 
