@@ -42,8 +42,8 @@ TRANSLUCENT, SHEEN, VELVET_SHEEN, TOON, GLOSSY_TOON = 5, 6, 7, 8, 9  # Closure.m
 CAMERA_RAYS, SHADOW_RAYS, HOLDOUT, SHADOW_CATCHER = 1, 2, 4, 8
 # Scene.terminator_offset of what is as round as its normals: all shadow rays start on that surface.
 ROUND = 1e6
-# MaterialParams.distribution
-GGX, MULTI_GGX, BECKMANN = 0, 1, 2
+# MaterialParams.distribution; ASHIKHMIN_SHIRLEY: of Closure alone, of GLOSSY
+GGX, MULTI_GGX, BECKMANN, ASHIKHMIN_SHIRLEY = 0, 1, 2, 3
 
 
 class MaterialParams(NamedTuple):

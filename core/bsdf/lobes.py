@@ -46,7 +46,7 @@ class Lobes(NamedTuple):
     smooth: float32 (n, 3), the surface's own normal, where the shading normal is another; bump:
         float32 (n,), tan^2 / 8 of the angle between them, at most 1; 0 = the same (bump_gain)
     rough: float32 (n, 4), rough_diffuse.py: factor of later bounces (r, g, b), and B; 0: Lambert's;
-        the last below 0: sheen.py, toon.py
+        the last below 0: lambert_kinds.py
     tint: float32 (n, 3); table: int32 (n,), row of ``tables``: of measured BRDFs
     tables: float32 (m, 90, 90, 180, 3), MeasuredBrdfs.values; the one array that is not by point
     """

@@ -15,6 +15,8 @@ import math
 import numpy as np
 
 from .._jit import kernel
+from .ashikhmin_shirley import ashikhmin_shirley
+from .lambert_kinds import PHONG
 from .microfacet import INV_PI, ONE, PI, ZERO
 from .sheen import sheen
 from .toon import is_toon, toon
@@ -54,8 +56,11 @@ def set_rough(params, p, cos_o, out):
 
 @kernel(forceinline=True)
 def roughened(at, wi_x, wi_y, wi_z, value):
-    """eval_lobes_at's value with its Lambert lobe rough, sheen or toon: at.rough[3] is not 0."""
+    """eval_lobes_at's value with its Lambert lobe rough, sheen or toon, or its gloss another one:
+    at.rough[3] is not 0."""
     if at.rough[3] < ZERO:
+        if at.rough[3] == PHONG:
+            return ashikhmin_shirley(at, wi_x, wi_y, wi_z, value)
         if is_toon(at.rough):
             return toon(at, wi_x, wi_y, wi_z, value)
         return sheen(at, wi_x, wi_y, wi_z, value)

@@ -92,7 +92,7 @@ class Closure(NamedTuple):
 
     model: as in MaterialParams, or TRANSLUCENT (DIFFUSE on the side away from the viewer), SHEEN,
         VELVET_SHEEN (sheen.py), TOON, GLOSSY_TOON (toon.py: roughness is Size, diffuse_roughness
-        Smooth); distribution: as there
+        Smooth); distribution: as there, or ASHIKHMIN_SHIRLEY
     weight: a colour, the factor of all it reflects
     params: column of MaterialParams -> its value; a missing one is that of the material's own row
     normal: a vector; None: the surface's own

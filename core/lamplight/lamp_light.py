@@ -24,6 +24,7 @@ from ..bsdf.brdf import (
     sample_at,
     sample_narrowest_at,
 )
+from ..bsdf.lambert_kinds import PHONG
 from ..bsdf.lobes import DIFFUSE_LOBE, Lobes
 from ..bsdf.lobes_at import lobes_at
 from ..bsdf.luminance import luminance
@@ -213,7 +214,8 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
             p += 1
             continue
         sharp = (at.kind > DIFFUSE_LOBE or is_toon(at.rough)) and at.alpha < _NARROW
-        near = at.rough[3] >= _ZERO and near_meshes(lamps, points.position, p)
+        plain = at.rough[3] >= _ZERO or at.rough[3] == PHONG
+        near = plain and near_meshes(lamps, points.position, p)
         if choose:
             share_out(lamps, powers, points, p, at, shares)
         for k in range(count):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..bsdf.lambert_kinds import TRANSLUCENT_ROUND
+from ..bsdf.lambert_kinds import PHONG, TRANSLUCENT_ROUND
 from ..bsdf.lobes import DIFFUSE_LOBE
 from ..settings import RenderSettings
 from .lobe_cells import gloss_at, lambert_at
@@ -67,7 +67,8 @@ def new_product_scratch() -> ProductScratch:
 def _is_plain(lobes, p):
     """Whether the numbers of Builders say all that the product is made of."""
     kind = lobes.rough[p, 3]
-    return (kind >= _ZERO or kind == TRANSLUCENT_ROUND) and lobes.narrow[p] == _ZERO
+    plain = kind >= _ZERO or kind == TRANSLUCENT_ROUND or kind == PHONG
+    return plain and lobes.narrow[p] == _ZERO
 
 
 @kernel

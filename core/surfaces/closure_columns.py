@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..bsdf.ashikhmin_shirley import set_ashikhmin_shirley
 from ..bsdf.bump import turns
 from ..bsdf.hair import ALL_ROUND, LAMPS_ALONE
 from ..bsdf.hair_setup import HairValues, set_hair, set_starts
@@ -20,6 +21,8 @@ from ..geometry.round_points import beyond, circles, is_round, normals_of_strand
 from ..geometry.shading import ShadingPoints, params_at
 from ..nodes.values import dot
 from ..scene import (
+    ASHIKHMIN_SHIRLEY,
+    BECKMANN,
     DIFFUSE,
     GLOSSY_TOON,
     SHEEN,
@@ -88,6 +91,7 @@ class Columns:
         self._grain = np.zeros((len(points.pixel), 3), np.float32)
         self._shape = np.zeros(len(points.pixel), np.int8)  # one of _FACTORS, or 0
         self._behind = np.zeros(len(points.pixel), np.bool_)  # TRANSLUCENT
+        self._phong = np.zeros(len(points.pixel), np.bool_)  # ASHIKHMIN_SHIRLEY
         self._matte: np.ndarray | None = None
         self._hair: list[tuple[np.ndarray, HairValues]] = []
         self._films: list[tuple[np.ndarray, FilmValues]] = []
@@ -95,7 +99,9 @@ class Columns:
     def write(self, layer: ClosureValues, rows: np.ndarray) -> None:
         """Give rows the layer's closure."""
         params: MaterialParams = self.params
-        model, params.distribution[rows] = layer.closure
+        model, distribution = layer.closure
+        self._phong[rows] = distribution == ASHIKHMIN_SHIRLEY
+        params.distribution[rows] = BECKMANN if distribution == ASHIKHMIN_SHIRLEY else distribution
         lambert = model == TRANSLUCENT or model in _FACTORS
         params.model[rows] = DIFFUSE if lambert else model
         self._shape[rows] = model if model in _FACTORS else 0
@@ -182,6 +188,8 @@ class Columns:
         self._set_hair(lobes)
         if brushed:
             stretch_lobes(lobes, self.params.roughness, self._grain)
+        if self._phong.any():
+            set_ashikhmin_shirley(lobes, self._phong)
         if self._turned.any():
             bump = np.where(self._turned, turns(points.normal, lobes.normal), np.float32(0.0))
             lobes = lobes._replace(smooth=points.normal, bump=bump)

@@ -51,11 +51,6 @@ if bpy.app.version >= (5, 2):
         assert len(warnings) == 1 and "Thin Wall" in warnings[0] and 'node "P"' in warnings[0]
 
 
-def test_another_distribution_is_told(build):
-    node = build.node("ShaderNodeBsdfGlossy", distribution="ASHIKHMIN_SHIRLEY")
-    assert len(only(build.surface(node))[1]) == 1
-
-
 def test_volume_and_what_is_no_displacement_are_told(build):
     """Both are left out."""
     node = build.node("ShaderNodeBsdfDiffuse")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from iwis.core.bsdf.ashikhmin_shirley import set_ashikhmin_shirley
 from iwis.core.bsdf.sheen import set_sheen
 from iwis.core.bsdf.stretched import mean_roughness, stretch_lobes
 from iwis.core.bsdf.thin_film_setup import FilmValues, set_film
@@ -10,7 +11,7 @@ from iwis.core.bsdf.thin_film_tables import REC709
 from iwis.core.bsdf.toon import set_toon
 from iwis.core.geometry.shading import ShadingPoints
 from iwis.core.sampling.unbiased_rays import UnbiasedSampler
-from iwis.core.scene import DIFFUSE, PRINCIPLED
+from iwis.core.scene import BECKMANN, DIFFUSE, GLOSSY, PRINCIPLED
 from support.brdf_points import directions, evaluated, material, points, sphere_quadrature
 from support.samplers import all_rays, random_sequence
 from support.scenes import constant_world
@@ -23,8 +24,8 @@ def _lobes(kind):
     wo = directions(np.full(_POINTS, 0.8))
     every, none = np.ones(_POINTS, bool), np.zeros(_POINTS, bool)
     width = np.full(_POINTS, 0.5, np.float32)
+    grain = np.tile(np.float32([1.5, 0.0, 0.0]), (_POINTS, 1))
     if kind == "brushed, rough below":
-        grain = np.tile(np.float32([1.5, 0.0, 0.0]), (_POINTS, 1))
         own = {"roughness": float(mean_roughness(width, grain)[0]), "diffuse_roughness": 1.0}
         own |= {"base_color": (0.8, 0.8, 0.8), "metallic": 0.0}
         lobes = points(wo, model=PRINCIPLED, **own)
@@ -36,6 +37,13 @@ def _lobes(kind):
         film = FilmValues(REC709, 800.0 * width, 3.0 * width, *metal)
         set_film(lobes, material(_POINTS, **own), np.arange(_POINTS), film)
         return lobes
+    if kind.startswith("phong"):
+        own = {"base_color": (0.8, 0.8, 0.8), "distribution": BECKMANN}
+        lobes = points(wo, model=GLOSSY, roughness=0.6, **own)
+        if kind == "phong, brushed":
+            stretch_lobes(lobes, np.full(_POINTS, 0.6, np.float32), grain)
+        set_ashikhmin_shirley(lobes, every)
+        return lobes
     lobes = points(wo, model=DIFFUSE)
     if kind in ("fibers", "velvet"):
         set_sheen(lobes, every & (kind == "fibers"), every & (kind == "velvet"), width)
@@ -45,7 +53,16 @@ def _lobes(kind):
 
 
 @pytest.mark.parametrize(
-    "kind", ["fibers", "velvet", "toon", "brushed, rough below", "filmed, rough below"]
+    "kind",
+    [
+        "fibers",
+        "velvet",
+        "toon",
+        "phong",
+        "phong, brushed",
+        "brushed, rough below",
+        "filmed, rough below",
+    ],
 )
 def test_samples_bring_the_integral(kind):
     """In even light, of 500 points with 128 samples: within 4 standard errors and the quadrature's

@@ -28,6 +28,11 @@ _STRETCHED = (
 
 _HARD = "at the edges, a pixel wide, where hard sides meet or come apart; faces agree"
 
+_ASIDE = (
+    "seen at grazing angles: Cycles mirrors its own samples to elsewhere where a facet is turned "
+    "away from the viewer, and is brighter than its formula; its light samples agree"
+)
+
 _OF_THE_DISC = "a direction has the mean over the disc, of which shadows and cones show parts"
 
 WHY = {
@@ -37,6 +42,10 @@ WHY = {
     "Displacement of vertices and bump, hard edges, normals": _HARD,
     "Displacement of vertices and bump, vector in tangent space, normals": _STRETCHED,
     "Displacement of vertices and bump, vector in tangent space": _STRETCHED,
+    "Ashikhmin-Shirley, roughness 0.6": _ASIDE,
+    "Ashikhmin-Shirley, roughness 1.0": _ASIDE,
+    "Ashikhmin-Shirley, anisotropy 0.7": _ASIDE,
+    "Ashikhmin-Shirley, anisotropy .9, rough": _ASIDE,
     "Ambient Occlusion above a threshold": "the few rays of a point lie otherwise: worst there",
     "Ambient Occlusion as alpha": _NEAR,
     "Ambient Occlusion as light of a cube": _NEAR,

@@ -136,7 +136,7 @@ def _glossy(dice, tree):
         "Roughness": values.number(dice, tree, 0.2, 1.0),
         "Anisotropy": dice.edge(-0.6, 0.6) if dice.chance(0.3) else 0.0,
     }
-    distribution = dice.of("GGX", "MULTI_GGX", "BECKMANN")
+    distribution = dice.of("GGX", "MULTI_GGX", "BECKMANN", "ASHIKHMIN_SHIRLEY")
     inputs |= _normal(dice, tree) | _tangent(dice, tree)
     return tree.made("ShaderNodeBsdfAnisotropic", 0, inputs, distribution=distribution)
 

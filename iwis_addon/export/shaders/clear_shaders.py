@@ -48,7 +48,7 @@ class ClearShaders(SurfaceBuilder):
         own = {"ior": number(node, "IOR", groups), "roughness": number(node, "Roughness", groups)}
         own["specular_tint"] = WHITE
         film = self._film(node, groups)
-        self._pane(node, groups, weight, WHITE, self._distribution(node), film, **own)
+        self._pane(node, groups, weight, WHITE, DISTRIBUTIONS[node.distribution], film, **own)
 
     def _refraction(self, node, groups, weight):
         self._warn(node, f"{node.bl_label}: {_STRAIGHT}")

@@ -17,6 +17,8 @@ import numpy as np
 from ....core.data.program import Closure, Displacement, Program
 from ....core.data.program_ops import depends_on_around, passes_by_place
 from ....core.scene import (
+    ASHIKHMIN_SHIRLEY,
+    BECKMANN,
     BLACK,
     DIFFUSE,
     GGX,
@@ -234,6 +236,8 @@ def _is_row(closures, emission) -> bool:
     more = (closure.normal, closure.grain, closure.subsurface, closure.hair, closure.film)
     if len(closures) > 1 or more != (None,) * 5 or closure.model in _OF_CLOSURES:
         return False
+    if closure.distribution == ASHIKHMIN_SHIRLEY:
+        return False
     whole = is_constant(closure.weight) and np.all(np.minimum(closure.weight, 1.0) == 1.0)
     return bool(whole) and all(map(is_constant, closure.params.values()))
 
@@ -257,7 +261,10 @@ def _row_of(closures, emission, builder) -> _Surface:
             size, smooth = values["roughness"], values.pop("diffuse_roughness")
             values["roughness"] = _roughness_of_cap(size, smooth)
             model = DIFFUSE if heaviest.model == TOON else GLOSSY
-        surface = _Surface(model=model, distribution=heaviest.distribution, **values)
+        distribution = heaviest.distribution
+        if distribution == ASHIKHMIN_SHIRLEY:
+            distribution = BECKMANN
+        surface = _Surface(model=model, distribution=distribution, **values)
     return dataclasses.replace(surface, emission=tuple(map(float, glow)))
 
 

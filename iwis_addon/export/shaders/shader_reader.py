@@ -159,7 +159,7 @@ class ShaderReader(HairShaders):
             "roughness": self._builder.number(node, "Roughness", groups),
         }
         grain = self._grain(node, groups, model="GLOSSY")
-        self._close(node, groups, weight, GLOSSY, self._distribution(node), grain, **params)
+        self._close(node, groups, weight, GLOSSY, DISTRIBUTIONS[node.distribution], grain, **params)
 
     def _metallic(self, node, groups, weight):
         """A Principled of metallic 1 is the same, but for a conductor given by its two indices."""
@@ -180,7 +180,7 @@ class ShaderReader(HairShaders):
             "specular_tint": tint,
         }
         grain, film = self._grain(node, groups), self._film(node, groups, indices)
-        distribution = self._distribution(node)
+        distribution = DISTRIBUTIONS[node.distribution]
         self._close(node, groups, weight, PRINCIPLED, distribution, grain, film, **params)
 
     def _emission(self, node, groups, weight):

@@ -9,11 +9,16 @@ import numpy as np
 
 from ....core.bsdf.thin_film_tables import GAUSSIANS, THINNEST, film_space
 from ....core.data.program import Closure, Ref, ThinFilm, Value
-from ....core.scene import BECKMANN, DIFFUSE, GGX, MULTI_GGX
+from ....core.scene import ASHIKHMIN_SHIRLEY, BECKMANN, DIFFUSE, GGX, MULTI_GGX
 from ..images.image import working_space
 from .program_builder import ProgramBuilder
 
-DISTRIBUTIONS = {"GGX": GGX, "MULTI_GGX": MULTI_GGX, "BECKMANN": BECKMANN}
+DISTRIBUTIONS = {
+    "GGX": GGX,
+    "MULTI_GGX": MULTI_GGX,
+    "BECKMANN": BECKMANN,
+    "ASHIKHMIN_SHIRLEY": ASHIKHMIN_SHIRLEY,
+}
 WHITE, BLACK = np.ones(3, np.float32), np.zeros(3, np.float32)
 ONE, ZERO = np.float32(1.0), np.float32(0.0)
 
@@ -116,8 +121,3 @@ class SurfaceBuilder:
         if name in node.inputs:
             if not is_constant(self._builder.number(node, name, groups), neutral):
                 self._warn(node, f"{name} is not supported: {instead}")
-
-    def _distribution(self, node):
-        if node.distribution not in DISTRIBUTIONS:
-            self._warn(node, f"{node.distribution} is not supported: rendered as GGX")
-        return DISTRIBUTIONS.get(node.distribution, GGX)
