@@ -139,15 +139,32 @@ def image_texture(context, settings, inputs):
     return {"Color": lambda: _color(settings, value), "Alpha": value[:, 3]}
 
 
+def _to_map(x, y, z):
+    """Where an equirectangular map has a direction."""
+    u = 0.5 - np.arctan2(y, x) / np.float32(2.0 * np.pi)
+    v = np.arctan2(z, np.sqrt(x * x + y * y)) / np.float32(np.pi) + 0.5
+    nowhere = (x == 0.0) & (y == 0.0) & (z == 0.0)
+    return np.where(nowhere, 0.0, u), np.where(nowhere, 0.0, v)
+
+
+def _to_mirror_ball(x, y, z):
+    size = np.sqrt(x * x + y * y + z * z)
+    x, y, z = (a / np.where(size > 0.0, size, 1.0) for a in (x, y, z))
+    across = 2.0 * np.sqrt(np.maximum(-0.5 * (y - 1.0), 0.0))
+    across = np.where(across > 0.0, across, 1.0)
+    return 0.5 * (x / across + 1.0), 0.5 * (z / across + 1.0)
+
+
 def environment_texture(context, settings, inputs):
-    """An environment image on a surface, looked up by a direction."""
+    """An environment image on a surface, looked up by a direction: by default the place.
+
+    settings: as image_texture's, but projection: EQUIRECTANGULAR or MIRROR_BALL
+    """
     co = inputs.get("Vector")
     co = context.position if co is None else co
-    x, y, z = (np.broadcast_to(a, (len(context),)) for a in parts(co))
-    size = np.sqrt(x * x + y * y + z * z)
-    size = np.where(size > 0.0, size, 1.0)
-    u = 0.5 - np.arctan2(y, x) / np.float32(2.0 * np.pi)
-    v = np.arcsin(np.clip(z / size, -1.0, 1.0)) / np.float32(np.pi) + 0.5
+    place = (np.broadcast_to(a, (len(context),)) for a in parts(co))
+    ball = settings["projection"] == "MIRROR_BALL"
+    u, v = (_to_mirror_ball if ball else _to_map)(*place)
     return {"Color": _color(settings, _sample(settings, u, v))}
 
 

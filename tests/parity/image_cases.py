@@ -137,6 +137,45 @@ world("Environment Texture, Cubic, mirror ball", _sky("Cubic", 32, projection="M
 world("Environment Texture, Cubic, wide", _sky("Cubic", 2048, float_buffer=True))
 
 
+def _environment(vector=None, **how):
+    """An Environment Texture of a surface."""
+
+    def make(tree):
+        output = _sky(how.get("interpolation", "Linear"), 64, **how.get("map", {}))(tree)
+        if vector is not None:
+            tree.link(vector(tree), output.node.inputs["Vector"])
+        return output
+
+    return make
+
+
+def _tilted_normal(tree):
+    """Not as it is: a floor's is the map's pole, where rounding says what column is seen."""
+    inputs = {"Vector": tree.coordinates("Normal"), "Rotation": (0.4, 0.2, 0.0)}
+    return tree.made("ShaderNodeMapping", 0, inputs, vector_type="VECTOR")
+
+
+def _reflection(tree):
+    return tree.coordinates("Reflection")
+
+
+shown("Environment Texture on a surface", _environment())
+shown(
+    "Environment Texture on a surface, by its normal",
+    _environment(_tilted_normal),
+)
+shown("Environment Texture on a surface, by reflection", _environment(_reflection))
+shown(
+    "Environment Texture on a surface, mirror ball",
+    _environment(_reflection, map={"projection": "MIRROR_BALL"}),
+)
+shown(
+    "Environment Texture on a surface, Closest, sRGB",
+    _environment(_reflection, interpolation="Closest", map={"color_space": "sRGB"}),
+)
+shown("Environment Texture on a surface, Cubic", _environment(_reflection, interpolation="Cubic"))
+
+
 def _movie_at(frame, **user):
     """A movie of stripes that wander, at a frame of the scene."""
 

@@ -51,20 +51,36 @@ class ImageStore:
         return self._read[key]
 
 
+def _tiles_of(builder, node) -> ImageTiles | None:
+    """What a node shows; None, and a warning, where it cannot be read."""
+    try:
+        if node.image is None:
+            raise ImageError("no image is chosen: choose one in the node, or remove the node")
+        return builder.images.tiles(node.image, node.image_user)
+    except ImageError as error:
+        builder.reader.warn(node, f"{error}. Pink instead, as in Cycles")
+        return None
+
+
+def environment_settings(builder, node) -> dict:
+    """The settings of core.nodes.images.environment_texture."""
+    return {
+        "image": _tiles_of(builder, node),
+        "interpolation": node.interpolation,
+        "extension": "REPEAT",
+        "projection": node.projection,
+        "tiled": False,
+        "unassociate": False,
+    }
+
+
 def image_settings(builder, node) -> dict:
     """The settings of core.nodes.images.image_texture."""
-    image, warn = node.image, builder.reader.warn
-    tiles = None
-    try:
-        if image is None:
-            raise ImageError("no image is chosen: choose one in the node, or remove the node")
-        tiles = builder.images.tiles(image, node.image_user)
-    except ImageError as error:
-        warn(node, f"{error}. Pink instead, as in Cycles")
+    image = node.image
     straight = image is not None and image.alpha_mode in ("STRAIGHT", "PREMUL")
     data = image is not None and image.colorspace_settings.is_data
     return {
-        "image": tiles,
+        "image": _tiles_of(builder, node),
         "interpolation": node.interpolation,
         "extension": node.extension,
         "projection": node.projection,

@@ -14,7 +14,7 @@ from ....core.nodes.falloff import LIGHT_FALLOFF
 from ..objects.object_properties import TABLES
 from ..objects.origins import PARTICLE
 from . import spectral_nodes
-from .program_images import image_settings
+from .program_images import environment_settings, image_settings
 
 # bl_idname -> properties; the operation has the same name (core/nodes).
 SETTINGS = {
@@ -206,6 +206,11 @@ def _image_texture(builder, node, groups):
     return builder.add_node(node, groups, node.bl_idname, inputs, settings)
 
 
+def _environment_texture(builder, node, groups):
+    settings = environment_settings(builder, node)
+    return builder.add_node(node, groups, node.bl_idname, builder.inputs(node, groups), settings)
+
+
 def _light_falloff(builder, node, groups):
     """Light falls off by the square of the distance as it is: then it is a constant."""
     strength = builder.number(node, "Strength", groups)
@@ -277,5 +282,6 @@ HANDLERS = {
     "ShaderNodeVectorCurve": _curves(3),
     "ShaderNodeFloatCurve": _curves(1),
     "ShaderNodeTexImage": _image_texture,
+    "ShaderNodeTexEnvironment": _environment_texture,
     LIGHT_FALLOFF: _light_falloff,
 }
