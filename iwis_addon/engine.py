@@ -12,6 +12,7 @@ from .dependencies import MissingPackage
 from .export import ExportError
 from .job import ENGINE, RenderJob
 from .leave import end_without_waiting
+from .one_line import one_line
 from .output import is_farm_job
 from .passes import register_passes
 from .preview import PreviewRender
@@ -127,14 +128,14 @@ class IWISRenderEngine(bpy.types.RenderEngine):
 def _message(failure: BaseException) -> str:
     """One line for the user; what nobody foresaw is logged with its traceback as well."""
     if isinstance(failure, _SELF_EXPLAINING):
-        return str(failure)
+        return one_line(str(failure))
     if isinstance(failure, KeyboardInterrupt):
         return "IWIS: interrupted"
     if isinstance(failure, MemoryError):
         why = str(failure) or "render smaller, or with fewer triangles"
         return f"IWIS: not enough memory: {why}"
     log.error("IWIS: rendering failed", exc_info=failure)
-    return f"IWIS: {type(failure).__name__}: {failure}"
+    return one_line(f"IWIS: {type(failure).__name__}: {failure}")
 
 
 CLASSES = (IWISRenderEngine,)

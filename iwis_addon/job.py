@@ -23,7 +23,8 @@ from ..core.stats import RenderStats
 from .export import ExportCache
 from .leave import end_with_failure
 from .number_film import NumberFilm
-from .output import check_saved, has_pixels, is_farm_job
+from .one_line import one_line
+from .output import check_saved, has_pixels, is_farm_job, lacks_layers
 
 log = logging.getLogger(__name__)
 
@@ -47,6 +48,7 @@ class RenderJob:
     films: (view layer, view) -> Film of the last frame, filled with `scene.iwis.keep_film`
     numbers: likewise NumberFilm, filled in a window and with `scene.iwis.keep_film`
     unsaved: what is wrong with the file of a frame of this job, "" where nothing is
+    layer_turned_on: a view layer of a farm's scene where none was on, so that the engine can fail
     interrupt: the command line's event; once it is set, all renders end as by a user's Esc
     rendering: the engine that Blender renders with, "" where it does not; a bake is not a render
     """
@@ -60,6 +62,7 @@ class RenderJob:
         self.films: dict[tuple[str, str], Film] = {}
         self.numbers: dict[tuple[str, str], NumberFilm] = {}
         self.unsaved = ""
+        self.layer_turned_on = ""
         self._warned: set[str] = set()
         self.export_cache = ExportCache()
         self._render_cache = None
@@ -94,7 +97,7 @@ class RenderJob:
         for line in lines:
             if line not in self._warned:
                 self._warned.add(line)
-                log.warning("IWIS: %s", line)
+                log.warning("IWIS: %s", one_line(line))
 
     def forget_caches(self) -> None:
         """Let the caches go; a render that still holds one keeps its own until it ends."""
@@ -152,6 +155,10 @@ def _on_render_init(scene, _depsgraph=None):
         if is_farm_job() and not has_pixels(scene.render):
             log.error("IWIS: the picture has no pixels: raise Resolution %, or enlarge the border")
             end_with_failure(bpy.app.tempdir)
+        if is_farm_job() and lacks_layers(scene):
+            layer = scene.view_layers[0]
+            layer.use = True
+            RenderJob.current.layer_turned_on = layer.name
     elif RenderJob.current is not None:
         RenderJob.current.forget_caches()
 
@@ -180,8 +187,11 @@ def _on_render_write(scene, _depsgraph=None):
 @persistent
 def _on_render_end(scene, _depsgraph=None):
     RenderJob.rendering = ""
-    if RenderJob.current is not None and not scene.render.use_persistent_data:
-        RenderJob.current.forget_caches()
+    job = RenderJob.current
+    if job is not None and job.layer_turned_on in scene.view_layers:
+        scene.view_layers[job.layer_turned_on].use = False
+    if job is not None and not scene.render.use_persistent_data:
+        job.forget_caches()
 
 
 @persistent

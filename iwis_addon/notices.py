@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 from . import dependencies
 from .job import RenderJob
+from .one_line import one_line
+from .output import NO_LAYER, lacks_layers
 from .viewport import living
 
 
@@ -46,7 +48,7 @@ def last_lines() -> list[str]:
     for viewport in living():
         told = [*viewport.warnings, viewport.thread.denoiser.problem]
         lines += [line for line in told if line and line not in lines]
-    return lines
+    return list(map(one_line, lines))
 
 
 def last_notices() -> list[Notice]:
@@ -89,6 +91,8 @@ def _first_in(tree, is_wanted, seen):
 def advice_before_render(scene) -> list[str]:
     """What is missing for a picture as it is meant; none when all is there."""
     lines = dependencies.advice()
+    if lacks_layers(scene):
+        lines.append(NO_LAYER)
     if scene.camera is None:
         lines.append("The scene has no camera: add one, or choose one in the scene's properties")
     if any(thing.type == "LIGHT" and not thing.hide_render for thing in scene.objects):

@@ -32,6 +32,32 @@ def has_pixels(render) -> bool:
     return width >= 1 and height >= 1
 
 
+NO_LAYER = "No view layer is on: turn on Use for Rendering of one"
+
+
+def lacks_layers(scene) -> bool:
+    """Whether a picture is to be rendered of view layers, of which none is on.
+
+    Blender then asks no engine, saves a picture without a pixel of light, and ends with 0. It asks
+    none, too, where strips or a compositor without a Render Layers node of the scene make it.
+    """
+    if any(layer.use for layer in scene.view_layers):
+        return False
+    render = scene.render
+    editor = scene.sequence_editor
+    if render.use_sequencer and editor is not None and len(editor.strips_all):
+        return False
+    tree = scene.compositing_node_group if hasattr(scene, "compositing_node_group") else None
+    if tree is None and scene.use_nodes:
+        tree = getattr(scene, "node_tree", None)
+    if tree is None or not render.use_compositing:
+        return True
+    return any(
+        node.bl_idname == "CompositorNodeRLayers" and not node.mute and node.scene in (None, scene)
+        for node in tree.nodes
+    )
+
+
 def check_room(scene, channels: int) -> None:
     """Raise OSError where a Blender program is about to save a picture that has no room.
 

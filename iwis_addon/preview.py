@@ -17,7 +17,7 @@ from .export import ExportCancelled, LiveExport, export_scene
 from .job import RenderJob
 from .passes import TABLE
 from .preferences import share_cache_dir
-from .session import deliver_empty
+from .render_result import deliver_empty
 from .settings import render_settings
 from .sink import BlenderSink
 from .worker import run_in_worker

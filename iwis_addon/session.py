@@ -16,16 +16,17 @@ from ..core.scene import Scene
 from ..core.stats import RenderStats
 from . import dependencies, stereo
 from .denoiser import denoising
-from .export import ExportCancelled, export_scene
+from .export import ExportCancelled, ExportError, export_scene
 from .export.motion.motion import export_in_motion
 from .export.motion.pixel_motion import export_with_vectors, wants_vectors
 from .job import RenderJob, RenderRecord
 from .leave import end_without_waiting
 from .manifest import stamp_mattes
 from .number_film import NumberFilm
-from .output import check_room
+from .output import NO_LAYER, check_room
 from .passes import add_passes, is_denoised
 from .preferences import share_cache_dir
+from .render_result import check_memory, deliver_empty, result_views
 from .settings import denoise_settings, render_settings
 from .sink import BlenderSink
 from .worker import run_in_worker
@@ -60,7 +61,10 @@ class FinalRender:
         """Copy all that the picture needs out of Blender; self.scene stays None after a cancel."""
         if self.job.unsaved:
             raise OSError(f"{self.job.unsaved}; the frames after it are not rendered")
+        if self.job.layer_turned_on:
+            raise ExportError(NO_LAYER)
         scene = depsgraph.scene_eval
+        check_memory(self.engine, scene, depsgraph.view_layer_eval)
         self.settings = render_settings(scene)
         self._denoising = _denoising(scene, depsgraph.view_layer_eval)
         self._data = depsgraph.view_layer_eval.iwis.use_pass_denoising_data
@@ -170,22 +174,3 @@ class FinalRender:
 def _denoising(scene, view_layer) -> Denoising:
     wanted = denoise_settings(scene.iwis)
     return denoising(dataclasses.replace(wanted, denoise=is_denoised(scene, view_layer)))
-
-
-def deliver_empty(engine, layer: str, delivered: set[str]) -> None:
-    """Deliver an empty picture of a view layer for every view but those delivered."""
-    for view in result_views(engine):
-        if view not in delivered:
-            width, height = result_size(engine)
-            engine.end_result(engine.begin_result(0, 0, width, height, layer=layer, view=view))
-
-
-def result_views(engine) -> list[str]:
-    """Names of the views that Blender wants: left and right, or one without a name."""
-    return [view.name for view in engine.get_result().views] or [""]
-
-
-def result_size(engine) -> tuple[int, int]:
-    """Width and height of the render result: the whole frame, or its border."""
-    result = engine.get_result()
-    return result.resolution_x, result.resolution_y

@@ -4,7 +4,9 @@ import bpy
 import numpy as np
 import pytest
 
+from iwis.iwis_addon import render_result
 from iwis.iwis_addon.job import RenderJob
+from iwis.iwis_addon.notices import last_lines
 from support import bad_scenes as bad
 from support.iwis_render import render_iwis
 
@@ -131,6 +133,29 @@ def test_picture_of_one_pixel(rendered):
     layers, warnings = rendered(shrink)
     assert layers["Combined"].shape == (1, 1, 4) and layers["Combined"].min() > 0.0
     assert warnings == []
+
+
+def test_picture_that_memory_has_no_room_for_is_an_error(rendered, tmp_path, monkeypatch):
+    """Nothing is exported, and Blender is given no result, which it would die of: no file."""
+    monkeypatch.setattr(render_result, "free_memory_bytes", lambda: 1000)
+    with pytest.raises(RuntimeError, match=r"has 32 x 24 pixels; its passes need .* GB"):
+        rendered(lambda _scene, _folder: None)
+    assert not list(tmp_path.iterdir())
+    assert RenderJob.get().records == []
+
+
+def test_picture_that_fits_into_memory_is_rendered(rendered, monkeypatch):
+    """Of memory that the passes just leave free."""
+    monkeypatch.setattr(render_result, "free_memory_bytes", lambda: 1_000_000)
+    assert rendered(lambda _scene, _folder: None)[0]["Combined"].max() > 0.0
+
+
+def test_line_breaks_of_names_are_no_lines(rendered, caplog):
+    """A warning is one line of the log and of the panel."""
+    rendered(bad.hdri_of_a_broken_name)
+    (line,) = [text for text in caplog.text.splitlines() if "gone" in text]
+    assert r"new\nline.hdr" in line
+    assert any(r"new\nline.hdr" in line for line in last_lines())
 
 
 FAILURES = {

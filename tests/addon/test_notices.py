@@ -7,6 +7,7 @@ from iwis.core.stats import RenderStats
 from iwis.iwis_addon import dependencies
 from iwis.iwis_addon.job import RenderJob, RenderRecord
 from iwis.iwis_addon.notices import advice_before_render, environment_node, merge
+from iwis.iwis_addon.output import NO_LAYER
 from iwis.operators.warned import select_named, warnings_text
 
 
@@ -23,6 +24,14 @@ def test_notices_merge_what_is_the_same_of_many():
     notices = merge(lines)
     assert [(notice.count, len(notice.lines)) for notice in notices] == [(3, 2), (2, 2), (1, 1)]
     assert notices[0].text == "Object A: 3 triangles left out (and 1 more like it)"
+
+
+def test_view_layers_that_are_all_off_are_told_of_before_a_render(cube_scene):
+    """The picture would be of nothing."""
+    cube_scene.view_layers[0].use = False
+    assert NO_LAYER in advice_before_render(cube_scene)
+    cube_scene.view_layers[0].use = True
+    assert NO_LAYER not in advice_before_render(cube_scene)
 
 
 def test_warned_objects_are_selected_by_whole_names(cube_scene):

@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from iwis.iwis_addon import job, output
-from iwis.iwis_addon.output import check_room, check_saved, check_written, has_pixels
+from iwis.iwis_addon.output import check_room, check_saved, check_written, has_pixels, lacks_layers
 from support.iwis_render import use_format
 
 
@@ -106,6 +106,66 @@ def test_cut_frame_ends_an_animation(cube_scene, tmp_path, monkeypatch):
         bpy.ops.render.render(animation=True)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out_1.png", "out_2.png"]
     assert ended == [bpy.app.tempdir]
+
+
+def turn_layers_off(scene):
+    for layer in scene.view_layers:
+        layer.use = False
+
+
+def test_farm_job_without_a_view_layer_fails(cube_scene, tmp_path, monkeypatch):
+    """Blender would save a picture of nothing, and end with 0. The layers stay off."""
+    turn_layers_off(cube_scene)
+    monkeypatch.setattr(job, "is_farm_job", lambda: True)
+    cube_scene.render.filepath = str(tmp_path / "out")
+    with pytest.raises(RuntimeError, match="No view layer is on: turn on Use for Rendering"):
+        bpy.ops.render.render(write_still=True)
+    assert not list(tmp_path.iterdir())
+    assert not cube_scene.view_layers[0].use
+
+
+def compose(scene, *kinds):
+    """A compositor of nodes of these kinds; the tree."""
+    if bpy.app.version >= (5, 0):
+        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+        scene.compositing_node_group = tree
+    else:
+        scene.use_nodes = True
+        tree = scene.node_tree
+    tree.nodes.clear()
+    for kind in kinds:
+        tree.nodes.new(kind)
+    return tree
+
+
+def test_compositor_without_render_layers_needs_no_view_layer(cube_scene):
+    """Blender asks an engine for those of the scene's Render Layers nodes alone."""
+    assert not lacks_layers(cube_scene)
+    turn_layers_off(cube_scene)
+    assert lacks_layers(cube_scene)
+    tree = compose(cube_scene, "CompositorNodeImage")
+    assert not lacks_layers(cube_scene)
+    cube_scene.render.use_compositing = False
+    assert lacks_layers(cube_scene)
+    cube_scene.render.use_compositing = True
+    node = tree.nodes.new("CompositorNodeRLayers")
+    node.scene = cube_scene
+    assert lacks_layers(cube_scene)
+    node.mute = True
+    assert not lacks_layers(cube_scene)
+
+
+def test_strips_need_no_view_layer(cube_scene):
+    """They are the picture."""
+    turn_layers_off(cube_scene)
+    editor = cube_scene.sequence_editor_create()
+    assert lacks_layers(cube_scene)
+    strips = editor.strips if hasattr(editor, "strips") else editor.sequences
+    ends = {"length": 5} if bpy.app.version >= (5, 0) else {"frame_end": 6}
+    strips.new_effect("Color", "COLOR", channel=1, frame_start=1, **ends)
+    assert not lacks_layers(cube_scene)
+    cube_scene.render.use_sequencer = False
+    assert lacks_layers(cube_scene)
 
 
 @pytest.mark.parametrize("words", [("-f", "1"), ("--render-anim",), ("-P", "script.py")])

@@ -45,6 +45,10 @@ def hdri_missing(scene, folder):
     use_file(scene, folder / "gone.hdr")
 
 
+def hdri_of_a_broken_name(scene, folder):
+    use_file(scene, folder / "gone" / "new\nline.hdr")
+
+
 def hdri_empty(scene, folder):
     (folder / "empty.exr").touch()
     use_file(scene, folder / "empty.exr")
