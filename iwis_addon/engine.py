@@ -15,7 +15,7 @@ from .leave import end_without_waiting
 from .one_line import one_line
 from .output import is_farm_job
 from .passes import register_passes
-from .preview import PreviewRender
+from .preview import PreviewRender, StrokeRender, is_of_strokes
 from .session import FinalRender
 from .viewport import Viewport
 
@@ -39,6 +39,7 @@ class IWISRenderEngine(bpy.types.RenderEngine):
     bl_use_shading_nodes_custom = False  # or Cycles' shader nodes are hidden
     bl_use_eevee_viewport = True  # Material Preview is EEVEE's
     bl_use_preview = True  # thumbnails of materials, worlds and lights
+    bl_use_custom_freestyle = True  # or EEVEE renders the lines, for which it needs a GPU
     bl_use_spherical_stereo = False
 
     viewport: Viewport | None = None  # of an engine object that shows the rendered view
@@ -51,6 +52,8 @@ class IWISRenderEngine(bpy.types.RenderEngine):
             self.failure = None
             if self.is_preview:
                 self.session = PreviewRender(self, depsgraph)
+            elif RenderJob.rendering and is_of_strokes(depsgraph.scene):
+                self.session = StrokeRender(self, depsgraph)
             elif RenderJob.rendering:
                 self.session = FinalRender(self, depsgraph, RenderJob.get())
             else:  # only a bake calls update() outside a render

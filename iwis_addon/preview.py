@@ -1,4 +1,4 @@
-"""One preview of a material, world or light: Blender's small scene in its own small picture.
+"""One preview of a material, world or light, or Freestyle's lines: Blender's own small scene.
 
 Blender makes these while a user works, each in a scene and file of its own, and cancels them at
 every edit. So a preview touches nothing of the user's render: no job, no records, no warnings.
@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+
+import bpy
+import numpy as np
 
 from ..core.film import Progress
 from ..core.scene import Scene
@@ -22,6 +25,8 @@ from .settings import render_settings
 from .sink import BlenderSink
 from .worker import run_in_worker
 
+# Of Freestyle's lines: points a pixel, and the factor of the distance between them.
+_STROKE_POINTS, _STROKES_APART = 32, 1000.0
 # A thumbnail of 32 pixels shows no more; the spheres' shadows are soft at this error.
 _MAX_SAMPLES, _ERROR_THRESHOLD = 64, 0.05
 
@@ -36,11 +41,15 @@ class PreviewRender:
 
     def export(self, depsgraph) -> None:
         """Copy the preview's scene; self.scene stays None after a cancel."""
-        self.settings = preview_settings(depsgraph.scene_eval)
+        self.settings = self.settings_of(depsgraph.scene_eval)
         with contextlib.suppress(ExportCancelled):
             self.scene = export_scene(
                 depsgraph, warnings=[], cancelled=self._cancelled, live=LiveExport()
             )
+
+    def settings_of(self, scene) -> RenderSettings:
+        """What it takes of the scene's own settings."""
+        return preview_settings(scene)
 
     def run(self, _depsgraph) -> None:
         """Render the one view; what is done by then stays after a cancel."""
@@ -69,6 +78,50 @@ class PreviewRender:
 
         if not relay.cancelled():
             render(self.scene, self.settings, relay)
+
+
+class StrokeRender(PreviewRender):
+    """Of Freestyle's lines: a scene of Blender's own, of flat faces that shine, in no user's file.
+
+    They take no samples, so edges get as many points a pixel as pictures at most have.
+    """
+
+    def export(self, depsgraph) -> None:
+        super().export(depsgraph)
+        if self.scene is not None:
+            self.scene = _spread(self.scene)
+
+    def settings_of(self, scene) -> RenderSettings:
+        return dataclasses.replace(
+            render_settings(scene),
+            estimator="UNBIASED",
+            stop_rule="FIXED",
+            max_samples=_STROKE_POINTS * RenderSettings().batch_size,
+            batch_size=RenderSettings().batch_size,
+        )
+
+
+def _spread(scene: Scene) -> Scene:
+    """The scene with its lines, which lie 1e-5 before one another, further apart along z.
+
+    So rays that go through one meet the next. The camera looks along z, without perspective.
+    """
+    apart = np.array([1.0, 1.0, _STROKES_APART], np.float32)
+    matrix = scene.camera.camera_to_world.copy()
+    matrix[2, 3] *= _STROKES_APART
+    camera = dataclasses.replace(
+        scene.camera,
+        camera_to_world=matrix,
+        clip_start=scene.camera.clip_start * _STROKES_APART,
+        clip_end=scene.camera.clip_end * _STROKES_APART,
+    )
+    mesh = dataclasses.replace(scene.mesh, vertices=scene.mesh.vertices * apart)
+    return dataclasses.replace(scene, mesh=mesh, camera=camera)
+
+
+def is_of_strokes(scene) -> bool:
+    """Whether a scene is the one that Blender makes of Freestyle's lines."""
+    return all(scene != known for known in bpy.data.scenes)
 
 
 class _PreviewSink(BlenderSink):
