@@ -51,6 +51,7 @@ LIT = {
     ),
     bad.transform_nan: ("Cube", "transform is not finite"),
     bad.flat_scale: ("Cube", "8 triangles", "8 without area"),
+    bad.scale_0: (),
     bad.slot_left_empty: (),
     bad.slot_beyond_the_last: (),
     bad.material_nan: ("Cube", "Skin", "base color", "not finite"),

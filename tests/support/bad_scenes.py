@@ -125,6 +125,10 @@ def flat_scale(_scene, _folder):
     bpy.data.objects["Cube"].scale = (1.0, 1.0, 0.0)
 
 
+def scale_0(_scene, _folder):
+    bpy.data.objects["Cube"].scale = (0.0, 0.0, 0.0)
+
+
 def slot_left_empty(_scene, _folder):
     bpy.data.objects["Cube"].data.materials.append(None)
 

@@ -17,7 +17,7 @@ from ..meshes.mesh_size import check_size
 from ..meshes.triangle_normals import usable_vertices
 from ..objects.culling import Culling
 from .copied import Copying, CopyPlan, copies_of, same_plan
-from .instances import Inventory, collect_instances
+from .instances import Instance, Inventory, collect_instances
 from .placement import Placed, move_instances, place_instances
 
 # Metres from the origin where float32 has steps of a centimetre: small triangles lose their area.
@@ -127,7 +127,8 @@ class ExportCache:
 def _drop_triangles(mesh: TriangleMesh, keep, inventory: Inventory, warnings) -> TriangleMesh:
     """Leave out triangles without area and tell which objects had how many.
 
-    Of points and strands those without area are nobody's fault: not told.
+    Those without area of points and strands, and of what a scale of 0 hides, as animations and
+    scatters do, are nobody's fault: not told.
     """
     parts, instances = inventory.parts, inventory.instances
     dropped = np.flatnonzero(~keep)
@@ -140,7 +141,7 @@ def _drop_triangles(mesh: TriangleMesh, keep, inventory: Inventory, warnings) ->
     counts: dict[str, list[int]] = defaultdict(lambda: [0, 0])
     for kind, chosen in enumerate((dropped[~usable], dropped[usable])):
         for row, n in enumerate(np.bincount(mesh.object_index[chosen], minlength=len(instances))):
-            if n and not (kind and parts[instances[row].part].round):
+            if n and not (kind and _is_meant(instances[row], parts)):
                 counts[instances[row].name][kind] += int(n)
     for name, (broken, flat) in counts.items():
         warnings.append(
@@ -155,6 +156,11 @@ def _drop_triangles(mesh: TriangleMesh, keep, inventory: Inventory, warnings) ->
         material_index=mesh.material_index[keep],
         object_index=mesh.object_index[keep],
     )
+
+
+def _is_meant(instance: Instance, parts) -> bool:
+    """Whether triangles without area are as they should be."""
+    return parts[instance.part].round or not instance.object_to_world[:3, :3].any()
 
 
 def _material_users(inventory: Inventory) -> list[list[str]]:
