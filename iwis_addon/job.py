@@ -155,12 +155,17 @@ def _on_render_init(scene, _depsgraph=None):
         if is_farm_job() and not has_pixels(scene.render):
             log.error("IWIS: the picture has no pixels: raise Resolution %, or enlarge the border")
             end_with_failure(bpy.app.tempdir)
-        if is_farm_job() and lacks_layers(scene):
-            layer = scene.view_layers[0]
-            layer.use = True
-            RenderJob.current.layer_turned_on = layer.name
     elif RenderJob.current is not None:
         RenderJob.current.forget_caches()
+
+
+@persistent
+def _on_render_pre(scene, _depsgraph=None):
+    # The frame's own values are there: Use for Rendering may be animated.
+    if scene.render.engine == ENGINE and is_farm_job() and lacks_layers(scene):
+        layer = scene.view_layers[0]
+        layer.use = True
+        RenderJob.get().layer_turned_on = layer.name
 
 
 @persistent
@@ -201,6 +206,7 @@ def _on_load(_path=None, _depsgraph=None):
 
 _HANDLERS = (
     ("render_init", _on_render_init),
+    ("render_pre", _on_render_pre),
     ("render_post", _on_render_post),
     ("render_write", _on_render_write),
     ("render_complete", _on_render_end),

@@ -124,6 +124,25 @@ def test_farm_job_without_a_view_layer_fails(cube_scene, tmp_path, monkeypatch):
     assert not cube_scene.view_layers[0].use
 
 
+@pytest.mark.parametrize("first_on", [True, False])
+def test_farm_job_knows_layers_that_are_animated(cube_scene, tmp_path, monkeypatch, first_on):
+    """Of each frame its own: what the file was saved with says nothing."""
+    layer = cube_scene.view_layers[0]
+    for frame, on in ((1, first_on), (2, not first_on)):
+        layer.use = on
+        layer.keyframe_insert("use", frame=frame)
+    monkeypatch.setattr(job, "is_farm_job", lambda: True)
+    cube_scene.frame_start = cube_scene.frame_end = 1 if first_on else 2
+    cube_scene.render.filepath = str(tmp_path / "out_#")
+    use_format(cube_scene, "PNG")
+    bpy.ops.render.render(animation=True)
+    assert len(list(tmp_path.iterdir())) == 1
+    cube_scene.frame_end = cube_scene.frame_start = 2 if first_on else 1
+    with pytest.raises(RuntimeError, match="No view layer is on"):
+        bpy.ops.render.render(animation=True)
+    assert len(list(tmp_path.iterdir())) == 1
+
+
 def compose(scene, *kinds):
     """A compositor of nodes of these kinds; the tree."""
     if bpy.app.version >= (5, 0):
