@@ -49,6 +49,7 @@ class RenderJob:
     numbers: likewise NumberFilm, filled in a window and with `scene.iwis.keep_film`
     unsaved: what is wrong with the file of a frame of this job, "" where nothing is
     layer_turned_on: a view layer of a farm's scene where none was on, so that the engine can fail
+    begun: whether a frame of it has begun
     interrupt: the command line's event; once it is set, all renders end as by a user's Esc
     rendering: the engine that Blender renders with, "" where it does not; a bake is not a render
     """
@@ -63,6 +64,7 @@ class RenderJob:
         self.numbers: dict[tuple[str, str], NumberFilm] = {}
         self.unsaved = ""
         self.layer_turned_on = ""
+        self.begun = False
         self._warned: set[str] = set()
         self.export_cache = ExportCache()
         self._render_cache = None
@@ -149,9 +151,11 @@ def stats_by_frame(records: list[RenderRecord]) -> list[FrameStats]:
 
 @persistent
 def _on_render_init(scene, _depsgraph=None):
-    RenderJob.rendering = scene.render.engine
     if scene.render.engine == ENGINE:
-        RenderJob.start(keep_caches=scene.render.use_persistent_data)
+        job = RenderJob.start(keep_caches=scene.render.use_persistent_data)
+        if is_farm_job() and scene.render.is_movie_format:
+            # Blender says why it cannot begin a movie, and ends with 0.
+            end_with_failure(bpy.app.tempdir, unless=lambda: job.begun)
         if is_farm_job() and not has_pixels(scene.render):
             log.error("IWIS: the picture has no pixels: raise Resolution %, or enlarge the border")
             end_with_failure(bpy.app.tempdir)
@@ -161,8 +165,13 @@ def _on_render_init(scene, _depsgraph=None):
 
 @persistent
 def _on_render_pre(scene, _depsgraph=None):
+    # Not at render_init: a movie that cannot be begun has no end that handlers are told of.
+    RenderJob.rendering = scene.render.engine
+    if scene.render.engine != ENGINE:
+        return
+    RenderJob.get().begun = True
     # The frame's own values are there: Use for Rendering may be animated.
-    if scene.render.engine == ENGINE and is_farm_job() and lacks_layers(scene):
+    if is_farm_job() and lacks_layers(scene):
         layer = scene.view_layers[0]
         layer.use = True
         RenderJob.get().layer_turned_on = layer.name

@@ -29,9 +29,12 @@ def end_without_waiting(temporary: str = "") -> None:
         _begin(_working, temporary)
 
 
-def end_with_failure(temporary: str = "") -> None:
-    """End the process with code 1, whatever Blender makes of its job; when it ends by itself."""
-    _begin(lambda: True, temporary)
+def end_with_failure(temporary: str = "", unless=lambda: False) -> None:
+    """End the process with code 1, whatever Blender makes of its job; when it ends by itself.
+
+    unless: what says, then, that there was no failure
+    """
+    _begin(lambda: not unless(), temporary)
 
 
 def _begin(is_wanted, temporary: str) -> None:

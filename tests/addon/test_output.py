@@ -108,6 +108,34 @@ def test_cut_frame_ends_an_animation(cube_scene, tmp_path, monkeypatch):
     assert ended == [bpy.app.tempdir]
 
 
+def use_movie(scene, path, size):
+    if hasattr(scene.render.image_settings, "media_type"):
+        scene.render.image_settings.media_type = "VIDEO"
+    scene.render.image_settings.file_format = "FFMPEG"
+    scene.render.ffmpeg.format = "MPEG4"
+    scene.render.resolution_x = scene.render.resolution_y = size
+    scene.render.filepath = str(path / "movie_")
+    scene.frame_start = scene.frame_end = 1
+
+
+@pytest.mark.parametrize(("size", "fails"), [(60000, True), (32, False)])
+def test_movie_that_cannot_begin_is_a_failure(cube_scene, tmp_path, monkeypatch, size, fails):
+    """Blender ends with 0, and tells no handler of an end: a bake after it is no render."""
+    asked = []
+    monkeypatch.setattr(job, "is_farm_job", lambda: True)
+    monkeypatch.setattr(
+        job, "end_with_failure", lambda _temporary, unless=None: asked.append(unless)
+    )
+    use_movie(cube_scene, tmp_path, size)
+    try:
+        bpy.ops.render.render(animation=True)
+    except RuntimeError as error:
+        assert fails and "60000" in str(error)
+    (unless,) = asked
+    assert unless() != fails
+    assert job.RenderJob.rendering == ""
+
+
 def turn_layers_off(scene):
     for layer in scene.view_layers:
         layer.use = False
