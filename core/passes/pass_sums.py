@@ -17,7 +17,6 @@ from .._jit import kernel
 from ..bsdf.lobes import Lobes
 from ..bsdf.luminance import luminance
 from ..bsdf.sheen import diffuse_color
-from ..data.channels import LUMINANCE
 from ..sampling.incremental import PixelSums
 from ..sampling.neighbours import hue_spread, reflected_chroma
 
@@ -210,23 +209,23 @@ def cell_spreads(cell: np.ndarray, n_cells: int, passes, light, spread) -> np.nd
 
 
 def seldom_spreads(cell: np.ndarray, n_cells: int, samples: int, state: PassSums, spread):
-    """r of the cells whose reflected light comes seldom, float32 (n_cells,); 0 of others.
+    """r of the cells whose light comes seldom, float32 (n_cells,); 0 of others.
 
-    Glints, and flecks of sun between leaves, are smaller than pixels: few passes see one. A pixel
-    that no pass has shown its glint looks done, and one that has seen it does not: beads of metal
-    came out an eighth too dark. So where two of five passes of a cell's pixels have its light, or
-    fewer, all ask for what it says together.
+    Glints, flecks of sun between leaves, bulbs, stars, holes before a bright sky are smaller than
+    pixels: few passes see one. A pixel that no pass has shown its glint looks done, and one that
+    has seen it does not: beads of metal came out an eighth too dark, stars two fifths. So where two
+    of five passes of a cell's pixels have its light, or fewer, all ask for what it says together.
     cell, spread: of n pixels, as cell_spreads; samples: of a pass; state: of them
     """
     passes = np.maximum(state.passes, 1)
-    lit = ((state.diffuse + state.glossy) @ LUMINANCE) / passes
-    squared = lit.astype(np.float64) ** 2
-    spread_of_lit = np.bincount(cell, np.float64(spread) ** 2 * squared, n_cells)
-    seldom = spread_of_lit > _SELDOM * samples * np.bincount(cell, squared, n_cells)
+    light = state.light / passes
+    squared = light**2
+    spread_of_light = np.bincount(cell, np.float64(spread) ** 2 * squared, n_cells)
+    seldom = spread_of_light > _SELDOM * samples * np.bincount(cell, squared, n_cells)
     count = np.maximum(np.bincount(cell, minlength=n_cells), 1)
-    whole = np.bincount(cell, state.light / passes, n_cells) / count
+    whole = np.bincount(cell, light, n_cells) / count
     pooled = np.zeros(n_cells)
-    np.divide(spread_of_lit / count, whole**2, out=pooled, where=seldom & (whole > 0.0))
+    np.divide(spread_of_light / count, whole**2, out=pooled, where=seldom & (whole > 0.0))
     return np.sqrt(pooled).astype(np.float32)
 
 

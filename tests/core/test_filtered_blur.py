@@ -10,6 +10,7 @@ from iwis.core.camera.pass_rays import samples_of_a_pass
 from iwis.core.passes.pass_sums import cell_spreads
 from iwis.core.scene import CameraMotion, Lens, Panorama
 from iwis.core.settings import RenderSettings
+from iwis.core.tiles import pass_plan
 from iwis.core.tiles.filtered_tile import FilteredTile
 from iwis.core.tiles.tile_job import Rect
 from support.scenes import (
@@ -57,6 +58,8 @@ def test_a_bright_spot_out_of_focus_keeps_its_light(monkeypatch):
     assert found == pytest.approx(truth, rel=0.15)
     monkeypatch.setattr(silhouettes, "blurred", lambda camera, at: np.zeros(len(at), bool))
     monkeypatch.setattr(silhouettes, "world_blurred", lambda camera: False)
+    # What comes seldom is asked for as well: four fifths of it by that alone.
+    monkeypatch.setattr(pass_plan, "seldom_spreads", lambda cell, n, *_: np.zeros(n, np.float32))
     assert _spot_light(**adaptive)[0] < 0.5 * truth
 
 

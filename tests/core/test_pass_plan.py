@@ -174,7 +174,7 @@ def _glint(spread, kind):
     return plan, pixels, sums
 
 
-@pytest.mark.parametrize("kind", ["glossy", "diffuse"])
+@pytest.mark.parametrize("kind", ["glossy", "diffuse", "emission", "environment"])
 def test_pixels_of_a_cell_with_glints_go_on_though_they_have_seen_none(kind):
     """All of the cell's, where light comes of one pass in four; no other's. Where most passes show
     it a pixel beside is as sure as before, but for the edge."""
