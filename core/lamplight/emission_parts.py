@@ -26,6 +26,10 @@ _SURE = 2e-5  # of all light: what a part's points may differ by, times its area
 _SAME = 1e-4  # of a part's light: what its points may differ by if it is one light
 _POINTS, _FEW_POINTS, _ENOUGH = 8, 3, 1 << 19  # of a part; of one of very many; of all parts
 _FIRST, _MANY_POINTS = 1 << 15, 4096  # of all parts that may be cut; of one
+_KNOWN = 1 << 18  # of all parts that are no larger than the coarsest
+# Of a quarter of those: what is missed by all of its points would be black from then on, while what
+# was hit by chance is looked at again. With 8 city windows on facades lost half of their light.
+_POINTS_OF_QUARTERS = 32
 _CHUNK = 1 << 16  # points evaluated together
 _FALLOFF_PLACES = 512  # whose light is looked at from several distances
 _STEPS = np.array([[0.7548776662466927], [0.5698402909980532]])  # of a plane lattice
@@ -204,15 +208,30 @@ def _varying(mesh: TriangleMesh, face, light: _Light):
     whole = np.float32([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
     work = face, np.broadcast_to(whole, (len(face), 3, 2)), area
     done, limit = [], _COARSEST * area.sum()
+    above = np.zeros(len(face))
     while len(work[0]):
-        points = int(np.clip(_FIRST // len(work[0]), _FEW_POINTS, _MANY_POINTS))
-        points = max(points, _POINTS if len(work[0]) * _POINTS <= _ENOUGH else 0)
-        mean, spread = _looked_at(*work[:2], light, points)
-        # What is large and all the same stays whole: even points lie best on one face.
-        large = (work[2] > limit) & (spread > _SAME * mean.sum((1, 2)))
-        done.append([column[~large] for column in (*work, mean, spread)])
-        work = _quartered(*(column[large] for column in work))
+        large = work[2] > limit
+        mean, spread = _looked_over(*work[:2], large, light)
+        whole = mean.sum((1, 2))
+        # What is large and all the same stays whole: even points lie best on one face. But not what
+        # is darker than all around it: small lights there may have been missed.
+        cut = large & ((spread > _SAME * whole) | (whole < (1.0 - _SAME) * above))
+        done.append([column[~cut] for column in (*work, mean, spread)])
+        above = np.tile(np.maximum(whole, above)[cut], 4)
+        work = _quartered(*(column[cut] for column in work))
     return _refined(mesh, *map(np.concatenate, zip(*done, strict=True)), light)
+
+
+def _looked_over(face, places, large, light: _Light):
+    """_looked_at of parts; of those not ``large`` by more points: what they miss is lost."""
+    points = int(np.clip(_FIRST // len(face), _FEW_POINTS, _MANY_POINTS))
+    points = max(points, _POINTS if len(face) * _POINTS <= _ENOUGH else 0)
+    many = max(min(_KNOWN // max(np.count_nonzero(~large), 1), _MANY_POINTS), points)
+    mean, spread = np.empty((len(face), 2, 3)), np.empty(len(face))
+    for which, count in ((large, points), (~large, many)):
+        if which.any():
+            mean[which], spread[which] = _looked_at(face[which], places[which], light, count)
+    return mean, spread
 
 
 def _refined(mesh, face, places, area, mean, spread, light):
@@ -226,7 +245,7 @@ def _refined(mesh, face, places, area, mean, spread, light):
         if not len(worst):
             break
         parts = _quartered(face[worst], places[worst], area[worst])
-        seen = _looked_at(parts[0], parts[1], light, _POINTS)
+        seen = _looked_at(parts[0], parts[1], light, _POINTS_OF_QUARTERS)
         kept = np.ones(len(face), bool)
         kept[worst] = False
         old = face[kept], places[kept], area[kept], mean[kept], spread[kept]
