@@ -24,9 +24,12 @@ from .cutouts import passing_color, share_of
 # seconds of work, and as many bytes.
 FINEST = 512
 MOST_CORNERS = 1 << 24
-# Where no image says how fine the pattern is: steps along an edge, at the most and at the least,
-# and about how many corners all triangles get together.
+# Where no image says how fine the pattern is: steps along an edge, of many triangles at the most
+# and at the least, and about how many corners all triangles get together, of few half of that.
 _PROCEDURAL, _COARSEST, _CORNERS = 64, 4, 1 << 20
+# Of neighbouring corners, those of which one is open and the other is not: with more the pattern is
+# as fine as the grid. Places aside of the corners then keep its mean, if not its threads.
+_ROUGH = 0.1
 # What texels show bends between them: where few corners do, so many steps to a texel.
 _WITHIN_TEXEL = 4
 _POINTS_AT_ONCE = 1 << 18
@@ -56,7 +59,11 @@ def bake_opacity(scene: Scene, triangles: np.ndarray, colored: bool = True) -> O
         row[which] = n + place[again]
         first, side = first[order], side[order]
         for size in np.unique(side):
-            values.append(_grids(scene, program, which[first[side == size]], int(size), colored))
+            own = program, which[first[side == size]], int(size), colored
+            grids = _grids(scene, *own)
+            if not _has_images(program) and _is_rough(grids):
+                grids = _grids(scene, *own, aside=True)
+            values.append(grids)
         sides.append(side)
         n += len(side)
     if all((grids == grids[:, :1]).all() for grids in values):
@@ -97,6 +104,17 @@ def _shared(scene: Scene, program: Program, which) -> tuple[np.ndarray, np.ndarr
     return first, again.ravel().astype(np.int32)
 
 
+def _has_images(program: Program) -> bool:
+    """Whether images say how fine its grids are to be."""
+    return any(op.kind == "ShaderNodeTexImage" for op in ops_behind(program, program.transparent))
+
+
+def _is_rough(grids: np.ndarray) -> bool:
+    """Whether a pattern is as fine as its grids, uint8 (n, channels, corners)."""
+    differs = np.abs(np.diff(grids.astype(np.int16), axis=-1)) > 127
+    return bool(differs.mean() > _ROUGH)
+
+
 def _sides(scene: Scene, program: Program, triangles) -> np.ndarray:
     """int32 (n,): R of each grid, a power of two, by the texels that its images have there."""
     n = len(triangles)
@@ -111,13 +129,25 @@ def _sides(scene: Scene, program: Program, triangles) -> np.ndarray:
             spread = np.ptp(place.reshape(n, 3, 3), axis=1).max(axis=1)
             wanted = np.maximum(wanted, np.nan_to_num(spread) * size)
         elif op.settings.get("outputs") and op.kind not in COORDINATES:
-            wanted = np.maximum(wanted, np.clip((2 * _CORNERS / n) ** 0.5, _COARSEST, _PROCEDURAL))
+            wanted = np.maximum(wanted, _steps(n))
     if wanted.max() == 1.0 and not isinstance(program.transparent, np.ndarray):
-        wanted[:] = np.clip((2 * _CORNERS / n) ** 0.5, _COARSEST, _PROCEDURAL)
+        wanted[:] = _steps(n)
     sides = (2.0 ** np.ceil(np.log2(np.clip(wanted, 1.0, FINEST)))).astype(np.int64)
     finer = np.maximum(sides, np.minimum(_WITHIN_TEXEL * sides, _PROCEDURAL))
     few = (wanted > 1.0).any() and _corners(finer).sum() <= _CORNERS
     return (finer if few else sides).astype(np.int32)
+
+
+def _steps(n: int) -> float:
+    """Along an edge, where nothing says how fine the pattern of n triangles is.
+
+    A curtain of two triangles has hundreds of threads: with 64 steps its pattern was met in step,
+    and let through half as much again, or less by a third.
+    """
+    few = (_CORNERS / (2.0 * n)) ** 0.5
+    if few > _PROCEDURAL:
+        return min(few, FINEST)
+    return float(np.clip((2 * _CORNERS / n) ** 0.5, _COARSEST, _PROCEDURAL))
 
 
 def _corners(side):
@@ -125,12 +155,16 @@ def _corners(side):
     return (side + 1) * (side + 2) // 2
 
 
-def _grids(scene: Scene, program: Program, triangles, side: int, colored: bool) -> np.ndarray:
+def _grids(
+    scene: Scene, program: Program, triangles, side: int, colored: bool, aside: bool = False
+) -> np.ndarray:
     """uint8 (n, 3 if colored else 1, corners): what passes at the corners of the small triangles
-    of n triangles."""
+    of n triangles. aside: up to half a step from them, at random"""
     v, u = np.divmod(np.arange((side + 1) ** 2), side + 1)
-    inside = u + v <= side
-    places = (np.stack([u, v], -1)[inside] / side).astype(np.float32)
+    places = np.stack([u, v], -1)[u + v <= side]
+    if aside:
+        places = places + np.random.default_rng(side).uniform(-0.5, 0.5, places.shape)
+    places = (places / side).astype(np.float32)
     many = np.repeat(triangles, len(places))
     out = np.empty((len(many), 3 if colored else 1), np.uint8)
     step = max(_POINTS_AT_ONCE // len(places), 1) * len(places)
