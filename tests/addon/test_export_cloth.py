@@ -1,11 +1,20 @@
-"""Materials of the open file with a grain, sheen or toon."""
+"""Materials of the open file with a grain, sheen, toon or Ashikhmin and Shirley's lobe."""
 
 import numpy as np
 import pytest
 
 from iwis.core.data.program import Ref
 from iwis.core.nodes.layers import grain
-from iwis.core.scene import DIFFUSE, GLOSSY, GLOSSY_TOON, SHEEN, TOON, VELVET_SHEEN
+from iwis.core.scene import (
+    ASHIKHMIN_SHIRLEY,
+    BECKMANN,
+    DIFFUSE,
+    GLOSSY,
+    GLOSSY_TOON,
+    SHEEN,
+    TOON,
+    VELVET_SHEEN,
+)
 from support.material_builds import Build, only, program_of
 
 
@@ -118,3 +127,12 @@ def test_toon_node(build, component, model, nearest):
     assert closure.model == model
     np.testing.assert_allclose(closure.params["roughness"], 0.3, rtol=1e-6)
     np.testing.assert_allclose(closure.params["diffuse_roughness"], 0.2, rtol=1e-6)
+
+
+def test_ashikhmin_shirley(build):
+    """A closure, whose row is Beckmann's."""
+    node = build.node("ShaderNodeBsdfGlossy", distribution="ASHIKHMIN_SHIRLEY", Roughness=0.5)
+    row, warnings = only(build.surface(node))
+    (closure,) = program_of(build).closures
+    assert (row["model"], row["distribution"], warnings) == (GLOSSY, BECKMANN, [])
+    assert (closure.model, closure.distribution) == (GLOSSY, ASHIKHMIN_SHIRLEY)

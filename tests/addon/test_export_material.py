@@ -6,16 +6,7 @@ import pytest
 
 from iwis.core.data.program import Ref
 from iwis.core.nodes.color import blackbody
-from iwis.core.scene import (
-    ASHIKHMIN_SHIRLEY,
-    BECKMANN,
-    BLACK,
-    DIFFUSE,
-    GGX,
-    GLOSSY,
-    MULTI_GGX,
-    PRINCIPLED,
-)
+from iwis.core.scene import BECKMANN, BLACK, DIFFUSE, GGX, GLOSSY, MULTI_GGX, PRINCIPLED
 from iwis.iwis_addon.export.images.blackbody import blackbody_settings
 from iwis.iwis_addon.export.shaders.material import export_materials, export_shaders
 from support.material_builds import Build, about, exported, only, program_of
@@ -123,16 +114,6 @@ def test_glossy(build, kind, name, distribution):
     assert warnings == []
     assert (row["model"], row["distribution"]) == (GLOSSY, distribution)
     assert row["base_color"] == [0.5, 0.25, 1.0] and row["roughness"] == 0.5
-
-
-def test_ashikhmin_shirley(build):
-    """A closure, whose row is Beckmann's."""
-    node = build.node("ShaderNodeBsdfGlossy", distribution="ASHIKHMIN_SHIRLEY", Roughness=0.5)
-    material = build.surface(node).material
-    row, warnings = only(build)
-    closure = export_shaders([material], []).programs[0].closures[0]
-    assert (row["model"], row["distribution"], warnings) == (GLOSSY, BECKMANN, [])
-    assert (closure.model, closure.distribution) == (GLOSSY, ASHIKHMIN_SHIRLEY)
 
 
 def test_emission_and_its_sums(build):

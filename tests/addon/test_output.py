@@ -9,6 +9,7 @@ import pytest
 
 from iwis.iwis_addon import job, output
 from iwis.iwis_addon.output import check_room, check_saved, check_written, has_pixels, lacks_layers
+from support.compositor import empty_tree
 from support.iwis_render import use_format
 
 
@@ -171,26 +172,13 @@ def test_farm_job_knows_layers_that_are_animated(cube_scene, tmp_path, monkeypat
     assert len(list(tmp_path.iterdir())) == 1
 
 
-def compose(scene, *kinds):
-    """A compositor of nodes of these kinds; the tree."""
-    if bpy.app.version >= (5, 0):
-        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
-        scene.compositing_node_group = tree
-    else:
-        scene.use_nodes = True
-        tree = scene.node_tree
-    tree.nodes.clear()
-    for kind in kinds:
-        tree.nodes.new(kind)
-    return tree
-
-
 def test_compositor_without_render_layers_needs_no_view_layer(cube_scene):
     """Blender asks an engine for those of the scene's Render Layers nodes alone."""
     assert not lacks_layers(cube_scene)
     turn_layers_off(cube_scene)
     assert lacks_layers(cube_scene)
-    tree = compose(cube_scene, "CompositorNodeImage")
+    tree = empty_tree(cube_scene)
+    tree.nodes.new("CompositorNodeImage")
     assert not lacks_layers(cube_scene)
     cube_scene.render.use_compositing = False
     assert lacks_layers(cube_scene)

@@ -6,6 +6,7 @@ import pytest
 
 from iwis.core.film import LAYERS
 from iwis.iwis_addon.passes import DENOISING_DATA, OWN_FLAGS, TABLE
+from support.compositor import empty_tree
 from support.cycles_render import render_cycles
 from support.iwis_render import render_iwis
 
@@ -49,14 +50,7 @@ def ask_for_all(view_layer):
 
 def sockets(scene):
     """Names of the enabled outputs of a new Render Layers node."""
-    if IS_5:
-        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
-        scene.compositing_node_group = tree
-    else:
-        scene.use_nodes = True
-        tree = scene.node_tree
-        tree.nodes.clear()
-    node = tree.nodes.new("CompositorNodeRLayers")
+    node = empty_tree(scene).nodes.new("CompositorNodeRLayers")
     node.scene = scene
     scene.view_layers[0].update_render_passes()
     return {output.name for output in node.outputs if output.enabled}

@@ -21,7 +21,6 @@ from support.scenes import (
     make_mesh,
     make_picture,
     make_scene,
-    quad,
 )
 
 _ONE = np.ones(3, np.float32)
@@ -199,51 +198,6 @@ def test_half_a_card_is_cut_away(way):
     origins[:, :2] *= 400.0
     sharp = np.abs(origins[:, 0]) > 2.0 * 1000.0 / 64.0  # metres that a step of the grid may blur
     np.testing.assert_array_equal(rays.occluded(origins, up)[sharp], origins[sharp, 0] < 0.0)
-
-
-@pytest.mark.parametrize("colored", [True, False])
-def test_grid_follows_its_program(colored):
-    """A pattern along x, red: values at the corners of the grid, exactly; triangles apart. Of all
-    colors alike the mean is kept."""
-    ramp = Op("scale", {"Color": Ref(0, "Position"), "Factor": np.float32(0.01)}, {})
-    program = Program(
-        ops=(_POSITION, ramp), closures=(Closure(DIFFUSE, GGX, _ONE, {}),), transparent=Ref(1, "")
-    )
-    part = quad((0.0, 0.0, 0.0), (100.0, 0.0, 0.0), (0.0, 100.0, 0.0))
-    camera = camera_at((50.0, 50.0, 200.0), (50.0, 50.1, 0.0), 8, 8, 0.5)
-    scene = with_programs(make_scene([part], [diffuse()], constant_world(), camera), program)
-    opacity = bake_opacity(scene, np.ones(2, bool), colored)
-    assert sorted(opacity.row) == [0, 1] and opacity.colored == colored
-    side = int(opacity.side[0])
-    grid = opacity.values[opacity.start[0] :][: side + 1] / 255.0  # the first edge: along x, z = 0
-    red = np.arange(side + 1) / side
-    np.testing.assert_allclose(grid, red if colored else red / 3.0, atol=0.5 / 255 + 1e-6)
-
-
-@pytest.mark.parametrize("threads", [191, 192, 193])
-def test_many_threads_of_few_triangles_keep_their_share(threads):
-    """Six tenths of a curtain are open. In steps of a 64th, three threads each, all of it would be
-    or nothing; of a 512th, a half of it. Within 5 standard errors of 131 841 independent places."""
-
-    def number(operation, **inputs):
-        values = {"operation": operation, "use_clamp": False, "before": False}
-        return Op("ShaderNodeMath", inputs, values)
-
-    parts = Op("ShaderNodeSeparateXYZ", {"Vector": Ref(0, "Position")}, {})
-    turns = number("MULTIPLY", Value=Ref(1, "X"), Value_001=np.float32(threads / 100.0))
-    within = number("FRACT", Value=Ref(2, "Value"))
-    is_open = number("GREATER_THAN", Value=Ref(3, "Value"), Value_001=np.float32(0.4))
-    color = _AS_COLOR._replace(inputs={"Value": Ref(4, "Value")})
-    program = Program(
-        ops=(_POSITION, parts, turns, within, is_open, color),
-        closures=(Closure(DIFFUSE, GGX, _ONE, {}),),
-        transparent=Ref(5, ""),
-    )
-    part = quad((0.0, 0.0, 0.0), (100.0, 0.0, 0.0), (0.0, 100.0, 0.0))
-    camera = camera_at((50.0, 50.0, 200.0), (50.0, 50.1, 0.0), 8, 8, 0.5)
-    scene = with_programs(make_scene([part], [diffuse()], constant_world(), camera), program)
-    opacity = bake_opacity(scene, np.ones(2, bool), False)
-    assert abs(opacity.values.mean() / 255.0 - 0.6) < 0.007
 
 
 def test_grey_grids_take_no_more_room():
