@@ -1,10 +1,11 @@
 """Materials of the open file: nothing is dropped without a word, and nothing turns black."""
 
 import bpy
+import numpy as np
 import pytest
 
 from iwis.core.scene import BLACK, DIFFUSE, PRINCIPLED
-from iwis.iwis_addon.export.shaders.material import export_materials
+from iwis.iwis_addon.export.shaders.material import export_materials, export_shaders
 from support.material_builds import Build, only, program_of
 
 
@@ -59,6 +60,20 @@ def test_volume_and_what_is_no_displacement_are_told(build):
     build.link(other.outputs[0], build.output.inputs["Displacement"])
     warnings = only(build.surface(node))[1]
     assert len(warnings) == 2 and "Volume" in warnings[0] and "Displacement" in warnings[1]
+
+
+def test_constant_normal_of_a_displacement(build):
+    """Its socket shows no value: Blender 5 leaves a node of the constant before it."""
+    normal = build.node("ShaderNodeCombineXYZ", X=0.6, Y=-0.6, Z=0.5)
+    height = build.node("ShaderNodeDisplacement", links=[("Normal", normal.outputs[0])])
+    build.link(build.node("ShaderNodeTexNoise").outputs[0], height.inputs["Height"])
+    build.link(height.outputs[0], build.output.inputs["Displacement"])
+    material = build.surface(build.node("ShaderNodeBsdfDiffuse")).material
+    material.displacement_method = "DISPLACEMENT"
+    warnings = []
+    (moved,) = export_shaders([material], warnings).displacements
+    assert warnings == []
+    np.testing.assert_allclose(moved.program.ops[-1].inputs["Normal"], [0.6, -0.6, 0.5])
 
 
 @pytest.mark.parametrize("method", ["BUMP", "BOTH"])

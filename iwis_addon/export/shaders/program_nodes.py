@@ -206,6 +206,11 @@ def _image_texture(builder, node, groups):
     return builder.add_node(node, groups, node.bl_idname, inputs, settings)
 
 
+def _vector(_builder, node, _groups):
+    """What Blender 5 makes of constants that feed a socket which shows no value, as a Normal."""
+    return {"Vector": np.float32(node.vector)}
+
+
 def _environment_texture(builder, node, groups):
     settings = environment_settings(builder, node)
     return builder.add_node(node, groups, node.bl_idname, builder.inputs(node, groups), settings)
@@ -263,6 +268,7 @@ def _ambient_occlusion(builder, node, groups):
 
 
 HANDLERS = {
+    "FunctionNodeInputVector": _vector,
     "GeometryNodeInputSceneTime": _scene_time,
     "ShaderNodeAmbientOcclusion": _ambient_occlusion,
     "ShaderNodeBevel": _bevel,
