@@ -208,17 +208,16 @@ def cell_spreads(cell: np.ndarray, n_cells: int, passes, light, spread) -> np.nd
     )
 
 
-def seldom_spreads(cell: np.ndarray, n_cells: int, samples: int, state: PassSums, spread):
+def seldom_spreads(cell: np.ndarray, n_cells: int, samples: int, passes, light, spread):
     """r of the cells whose light comes seldom, float32 (n_cells,); 0 of others.
 
     Glints, flecks of sun between leaves, bulbs, stars, holes before a bright sky are smaller than
     pixels: few passes see one. A pixel that no pass has shown its glint looks done, and one that
     has seen it does not: beads of metal came out an eighth too dark, stars two fifths. So where two
     of five passes of a cell's pixels have its light, or fewer, all ask for what it says together.
-    cell, spread: of n pixels, as cell_spreads; samples: of a pass; state: of them
+    samples: of a pass; the others: of n pixels, as of cell_spreads
     """
-    passes = np.maximum(state.passes, 1)
-    light = state.light / passes
+    light = light / np.maximum(passes, 1)
     squared = light**2
     spread_of_light = np.bincount(cell, np.float64(spread) ** 2 * squared, n_cells)
     seldom = spread_of_light > _SELDOM * samples * np.bincount(cell, squared, n_cells)

@@ -17,7 +17,6 @@ import numpy as np
 
 from ..camera.pass_rays import PILOT
 from ..camera.silhouettes import Silhouettes
-from ..data.rows import rows_of
 from ..passes.light_edges import add_edges
 from ..passes.pass_sums import PassSums, cell_spreads, fill_spreads, seldom_spreads
 from ..sampling.stop_rule import FLOOR, plan_counts, threshold_of, typical_count
@@ -96,8 +95,8 @@ class PassPlan:
             which = self._silhouettes.blurred[pixels]
             spread[which] = shared[self._cell[pixels[which]]]
         every, cell = self._pixels, self._cell
-        own_sums = PassSums(*rows_of(sums, every))
-        seldom = seldom_spreads(cell[every], self._n_cells, self._batch, own_sums, own(every))
+        known = sums.passes[every], sums.light[every], own(every)
+        seldom = seldom_spreads(cell[every], self._n_cells, self._batch, *known)
         return np.maximum(spread, seldom[cell[pixels]])
 
     def _perceptual(self, active, sums) -> np.ndarray:
