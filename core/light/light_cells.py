@@ -18,7 +18,7 @@ from ..bsdf.luminance import luminance
 from ..data.channels import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .cell_lookup import LARGEST, look_up_cell, look_up_cells
 from .environment import EnvironmentLookup, eval_map, fast_atan2
-from .pyramid import WHOLE_LEVELS, level_offset
+from .pyramid import WHOLE_LEVELS, cell_beside, level_offset, spread_bits
 
 _MAX_LEVEL = 11
 _TEXELS_A_CELL = 2.2  # along a side, so that a texel's light never reaches over a whole cell
@@ -55,15 +55,6 @@ def _direction_to_square(dx, dy, dz):
     return half * (math.copysign(u, dx) + one), half * (math.copysign(v, dy) + one)
 
 
-@kernel(forceinline=True)
-def _spread(bits):
-    """Put a zero between the bits of an int32 below 2^16."""
-    bits = (bits | (bits << np.int32(8))) & np.int32(0x00FF00FF)
-    bits = (bits | (bits << np.int32(4))) & np.int32(0x0F0F0F0F)
-    bits = (bits | (bits << np.int32(2))) & np.int32(0x33333333)
-    return (bits | (bits << np.int32(1))) & np.int32(0x55555555)
-
-
 @kernel
 def _find_cells(inverse, jacobian, around, sine, cosine, side, cells, weights):
     """The cell and the relative solid angle of each sample of a row of the map.
@@ -82,7 +73,7 @@ def _find_cells(inverse, jacobian, around, sine, cosine, side, cells, weights):
         square_x, square_y = _direction_to_square(x, y, z)
         column = min(np.int32(square_x * scale), top)
         row = min(np.int32(square_y * scale), top)
-        cells[j] = _spread(column) | (_spread(row) << np.int32(1))
+        cells[j] = spread_bits(column) | (spread_bits(row) << np.int32(1))
         weights[j] = jacobian * shorter * shorter * shorter
 
 
@@ -134,7 +125,7 @@ def _fill_gaps(lookup, level, sums):
     size = np.float32(1.0 / side)
     for row in range(side):
         for column in range(side):
-            cell = _spread(np.int32(column)) | (_spread(np.int32(row)) << np.int32(1))
+            cell = spread_bits(np.int32(column)) | (spread_bits(np.int32(row)) << np.int32(1))
             if sums[cell, 2] > np.float32(0.0):
                 inverse = np.float32(1.0) / sums[cell, 2]
                 sums[cell, 0] *= inverse
@@ -142,16 +133,6 @@ def _fill_gaps(lookup, level, sums):
             else:
                 x, y = np.float32(column) * size, np.float32(row) * size
                 sums[cell, 0], sums[cell, 1], _ = look_up_cell(lookup, x, y, size, 2)
-
-
-@kernel(forceinline=True)
-def _neighbour(row, column, side):
-    """The cell at (row, column), which may lie one beyond the square's border."""
-    if column < 0 or column >= side:
-        row, column = side - 1 - row, min(max(column, 0), side - 1)
-    if row < 0 or row >= side:
-        row, column = min(max(row, 0), side - 1), side - 1 - column
-    return _spread(np.int32(column)) | (_spread(np.int32(row)) << np.int32(1))
 
 
 @kernel
@@ -163,11 +144,11 @@ def _look_around(level, first, last, cells):
             brightest = largest = np.float32(0.0)
             for i in range(row - 1, row + 2):
                 for j in range(column - 1, column + 2):
-                    near = _neighbour(i, j, side)
+                    near = cell_beside(i, j, side)
                     if cells[near, 1] > np.float32(0.0):  # not only lent by its own neighbour
                         brightest = max(brightest, cells[near, 0])
                         largest = max(largest, cells[near, 1])
-            cell = _neighbour(row, column, side)
+            cell = cell_beside(row, column, side)
             cells[cell, 0] = max(cells[cell, 0], brightest * np.float32(1.0 / 1024))
             cells[cell, 2] = max(cells[cell, 1], largest * _TAIL)
 

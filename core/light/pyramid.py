@@ -67,6 +67,25 @@ def row_column_to_morton(row, column, level):
 
 
 @kernel(forceinline=True)
+def spread_bits(bits):
+    """Put a zero between the bits of an int32 below 2^16."""
+    bits = (bits | (bits << np.int32(8))) & np.int32(0x00FF00FF)
+    bits = (bits | (bits << np.int32(4))) & np.int32(0x0F0F0F0F)
+    bits = (bits | (bits << np.int32(2))) & np.int32(0x33333333)
+    return (bits | (bits << np.int32(1))) & np.int32(0x55555555)
+
+
+@kernel(forceinline=True)
+def cell_beside(row, column, side):
+    """The cell at (row, column), int32, of side x side, which may lie one beyond their border."""
+    if column < 0 or column >= side:
+        row, column = side - 1 - row, min(max(column, 0), side - 1)
+    if row < 0 or row >= side:
+        row, column = min(max(row, 0), side - 1), side - 1 - column
+    return spread_bits(np.int32(column)) | (spread_bits(np.int32(row)) << np.int32(1))
+
+
+@kernel(forceinline=True)
 def eval_leaf(pyramid, x, y):
     """(average of the leaf at a point of the square, Morton index of its cell of level levels)."""
     averages, levels, children = pyramid.averages, pyramid.levels, pyramid.children

@@ -6,11 +6,12 @@ least for pdf ~ L B sqrt(V); but nets leave little of the variance where all is 
 is scaled by sqrt(V (1 - V / 2)). Every round is unbiased given those before it, whatever they have
 learnt, and so is their sum.
 
-V of a cell leans on that of the cell four times as large, as if _TRUST rays had seen that, and so
-on up to the whole sphere. Of a cell's rays no more than _TOLD tell of what is around it: thousands
-go into a hidden sun, which is no reason to give up the sky beside it. V is never less than _DOUBT
-rays of all that were asked: a few leave doubt, many let go even of a sun a thousand times as bright
-as the sky. docs/decisions/0016-learnt-visibility.md has the figures.
+V of a cell leans on the rays of the eight cells beside it, as if two of its own had seen what they
+say together; those on the cell four times as large, as if _TRUST rays had seen that, and so on up
+to the whole sphere. Of a cell's rays no more than _TOLD tell of what is around it: thousands go
+into a hidden sun, which is no reason to give up the sky beside it. V is never less than _DOUBT rays
+of all that were asked: a few leave doubt, many let go even of a sun a thousand times as bright as
+the sky. docs/decisions/0016-learnt-visibility.md has the figures.
 """
 
 from __future__ import annotations
@@ -20,15 +21,16 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..light.pyramid import level_offset
+from ..light.pyramid import cell_beside, level_offset, spread_bits
 from .product import BASE_BEGIN, BASE_CELLS, BASE_LEVEL, BLOCK_BEGIN
 from .product_build import sum_base
 
-_TRUST = np.float32(8.0)
-_TOLD, _DOUBT = np.float32(24.0), np.float32(0.01)
+_TRUST, _BESIDE = np.float32(8.0), np.float32(2.0)
+_TOLD, _DOUBT = np.float32(24.0), np.float32(0.001)
 _ONE, _SMOOTH = np.float32(1.0), np.float32(0.5)
 _FIRST, _FACTOR = 2, 4  # learn at 2 samples of a point, 8, 32, 128 ...
 _FULL = np.uint16(65535)
+_SIDE = 1 << BASE_LEVEL
 
 
 class Guides(NamedTuple):
@@ -46,11 +48,15 @@ class Guides(NamedTuple):
 
 
 class GuideRoom(NamedTuple):
-    """Scratch: float32 (BASE_BEGIN + BASE_CELLS,), all levels over the cells; (BASE_CELLS,)."""
+    """Scratch: float32 (BASE_BEGIN + BASE_CELLS,), all levels over the cells; (BASE_CELLS,).
+
+    framed: the cells' counts row by row, and those over the square's border
+    """
 
     asked: np.ndarray
     free: np.ndarray
     ratio: np.ndarray
+    framed: np.ndarray
 
 
 def new_guides(n: int) -> Guides:
@@ -65,7 +71,7 @@ def new_guides(n: int) -> Guides:
 
 def new_guide_room() -> GuideRoom:
     """One a thread."""
-    sizes = (BLOCK_BEGIN, BLOCK_BEGIN, BASE_CELLS)
+    sizes = (BLOCK_BEGIN, BLOCK_BEGIN, BASE_CELLS, (_SIDE + 2, _SIDE + 2))
     return GuideRoom(*(np.zeros(size, np.float32) for size in sizes))
 
 
@@ -99,31 +105,71 @@ def note_rays(lanes, n_rays, guide):
 
 
 @kernel(forceinline=True)
-def _count_cells(guide, most, room):
-    """Write the counts of the base to the room, of no more than ``most`` rays of a cell."""
+def _count_cells(guide, room):
+    """Write the counts of the base to the room, of no more than _TOLD rays of a cell."""
     for c in range(BASE_CELLS):
         asked, free = np.float32(guide.asked[0, c]), np.float32(guide.free[0, c])
-        share = min(_ONE, most / max(asked, _ONE))
+        share = min(_ONE, _TOLD / max(asked, _ONE))
         room.asked[BASE_BEGIN + c], room.free[BASE_BEGIN + c] = asked * share, free * share
+
+
+@kernel
+def _lay_out(counts, framed):
+    """Write the counts of the base row by row; what lies over a border follows it."""
+    for row in range(_SIDE):
+        below = spread_bits(np.int32(row)) << np.int32(1)
+        for column in range(_SIDE):
+            c = spread_bits(np.int32(column)) | below
+            framed[row + 1, column + 1] = counts[BASE_BEGIN + c]
+    for k in range(-1, _SIDE + 1):
+        framed[0, k + 1] = counts[BASE_BEGIN + cell_beside(-1, k, _SIDE)]
+        framed[_SIDE + 1, k + 1] = counts[BASE_BEGIN + cell_beside(_SIDE, k, _SIDE)]
+        framed[k + 1, 0] = counts[BASE_BEGIN + cell_beside(k, -1, _SIDE)]
+        framed[k + 1, _SIDE + 1] = counts[BASE_BEGIN + cell_beside(k, _SIDE, _SIDE)]
+
+
+@kernel
+def _look_around(counts, framed):
+    """Write over the counts of the base those of the eight cells beside each."""
+    _lay_out(counts, framed)
+    for row in range(_SIDE):
+        above, own, under = framed[row], framed[row + 1], framed[row + 2]
+        below = spread_bits(np.int32(row)) << np.int32(1)
+        for j in range(_SIDE):
+            near = above[j] + above[j + 1] + above[j + 2] + own[j] + own[j + 2]
+            near += under[j] + under[j + 1] + under[j + 2]
+            counts[BASE_BEGIN + (spread_bits(np.int32(j)) | below)] = near
+
+
+@kernel
+def _find_parts(asked, part):
+    """Make parts that are free of the counts in ``part``, on all levels above the base."""
+    part[0] = (part[0] + _ONE) / (asked[0] + np.float32(2.0))
+    for level in range(1, BASE_LEVEL):
+        begin, above = level_offset(level), level_offset(level - 1)
+        for k in range(1 << (2 * level)):
+            prior = _TRUST * part[above + (k >> 2)]
+            part[begin + k] = (part[begin + k] + prior) / (asked[begin + k] + _TRUST)
 
 
 @kernel
 def learn(guide, taken, room):
     """Work out the gain anew; room.ratio: over the gain before. taken: samples of a point."""
     asked, part, gain = room.asked, room.free, guide.gain[0]
-    _count_cells(guide, _TOLD, room)
+    _count_cells(guide, room)
     sum_base(asked)
     sum_base(part)
-    _count_cells(guide, np.float32(_FULL), room)
-    least = np.sqrt(_DOUBT / (np.sum(asked[BASE_BEGIN : BASE_BEGIN + BASE_CELLS]) + _ONE))
-    part[0] = (part[0] + _ONE) / (asked[0] + np.float32(2.0))
-    for level in range(1, BASE_LEVEL + 1):
-        begin, above = level_offset(level), level_offset(level - 1)
-        for k in range(1 << (2 * level)):
-            prior = _TRUST * part[above + (k >> 2)]
-            part[begin + k] = (part[begin + k] + prior) / (asked[begin + k] + _TRUST)
+    _find_parts(asked, part)
+    _look_around(asked, room.framed)
+    _look_around(part, room.framed)
+    least = np.sqrt(_DOUBT / (np.float32(np.sum(guide.asked[0])) + _ONE))
+    above, beside = level_offset(BASE_LEVEL - 1), room.ratio
+    for k in range(BASE_CELLS // 4):
+        beside[4 * k : 4 * k + 4] = _TRUST * part[above + k]
     for c in range(BASE_CELLS):
-        free = part[BASE_BEGIN + c]
+        seen, rays = beside[c] + part[BASE_BEGIN + c], asked[BASE_BEGIN + c] + _TRUST
+        free = np.float32(guide.free[0, c]) + _BESIDE * (seen / rays)
+        free /= np.float32(guide.asked[0, c]) + _BESIDE
         new = max(np.sqrt(free * (_ONE - _SMOOTH * free)), least)
         room.ratio[c] = new / gain[c]
         gain[c] = new

@@ -22,6 +22,7 @@ from ..unit_square.sample_order import MOST_ORDERED
 from ..unit_square.sequence import PixelSequence
 from .incremental import PixelSums, RayBatch, least_count, new_rays, select_points
 from .neighbours import CELL_PX, Neighbours, fill_neighbours
+from .scouts import ScoutRoom, new_scout_room, send_scouts
 from .stop_rule import (
     Rule,
     RuleRoom,
@@ -52,6 +53,7 @@ class Room(NamedTuple):
     products: Products
     rule: RuleRoom
     guide: GuideRoom
+    scouts: ScoutRoom
     near: np.ndarray
     group: np.ndarray
     slots: np.ndarray
@@ -70,6 +72,7 @@ def new_room(glossy: bool, n: int = BLOCK_POINTS) -> Room:
         new_products(n, glossy),
         new_rule_room(n),
         new_guide_room(),
+        new_scout_room(n),
         np.empty((n, 8), np.int32),
         np.empty(n, np.int32),
         np.empty((CELL_PX + 2, CELL_PX + 2), np.int32),
@@ -208,7 +211,13 @@ def _continue_block(task, traversal, rule, neighbours, sums, room, stop):
     for p in range(n):
         if not task.products.trees[task.products.own[p], 0] > np.float32(0.0):
             wanted[p] = 0
-    traced, taken = 0, least_count(wanted, sums)
+    traced, taken = np.int64(0), least_count(wanted, sums)
+    if taken >= 0 and len(task.guide.learnt) > 0 and task.guide.learnt[0] == 0:
+        own = room.scouts, wanted, room.some, room.counts, room.rays
+        traced += send_scouts(task, traversal, sums, room.work, *own)
+        if traced > 0:
+            learn(task.guide, 1, room.guide)
+            _scale_products(task.products, sums, room)
     while taken >= 0 and not stop[0]:
         n_active = select_points(wanted, taken, sums, active)
         end = end_of_round(rule, taken)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from iwis.core.light.pyramid import morton_to_row_column
 from iwis.core.machine.lanes import new_lanes
 from iwis.core.products.guide import (
     learn,
@@ -49,9 +50,9 @@ def test_gain_is_the_root_of_what_is_free():
 
 @pytest.mark.parametrize("rays", [1, 15])
 def test_few_rays_leave_doubt(rays):
-    """Where none of the whole sphere's was free, a hundredth of one of them is taken to be."""
+    """Where none of the whole sphere's was free, a thousandth of one of them is taken to be."""
     gain = _taught(np.full(1024, rays), np.zeros(1024))[0].gain[0]
-    np.testing.assert_allclose(gain, np.sqrt(0.01 / (1024.0 * rays + 1.0)), rtol=1e-5)
+    np.testing.assert_allclose(gain, np.sqrt(0.001 / (1024.0 * rays + 1.0)), rtol=1e-5)
 
 
 def test_a_hidden_sun_does_not_hide_the_sky():
@@ -77,6 +78,39 @@ def test_cells_lean_on_what_is_around():
     asked[[5, 1000]] = free[[5, 1000]] = 0
     gain = _taught(asked, free)[0].gain[0]
     assert gain[5] < 0.25 and gain[1000] > 0.7
+
+
+def _rows_and_columns():
+    return np.array([morton_to_row_column(c) for c in range(1024)]).T
+
+
+@pytest.mark.parametrize("edge", [16, 21, 24])
+def test_cells_lean_on_those_beside_them(edge):
+    """Where what is free ends, the next cell may be free in part, whether or not its own parent is:
+    three of the eight around are, as if two rays of its own had seen that."""
+    rows, columns = _rows_and_columns()
+    gain = _taught(np.full(1024, 20), np.where(columns < edge, 20, 0))[0].gain[0]
+    part = 2.0 * (3 * 20) / (8 * 20 + 8) / 22.0
+    expected = np.sqrt(part * (1.0 - part / 2.0))
+    inside = (rows > 3) & (rows < 28)  # at the border others are beside it
+    beside = gain[inside & (columns == edge)]
+    assert (beside > 0.99 * expected).all() and (beside < 1.05 * expected).all()
+    assert gain[inside & (columns > edge + 3)].max() < 0.01 * expected
+
+
+def test_what_is_beside_a_cell_goes_on_over_the_squares_border():
+    """Cells at two ends of a border of the square, one of them free, are neighbours."""
+    rows, columns = _rows_and_columns()
+    free = np.where((rows >= 28) & (columns < 14), 20, 0)
+    gain = _taught(np.full(1024, 20), free)[0].gain[0]
+    opposite = gain[(rows == 31) & (columns >= 20)]
+    assert opposite.min() > 4.0 * gain[(rows == 29) & (columns >= 20)].max()
+
+
+def test_full_counts_add_up():
+    """65535 rays in each cell are more than 16 bits and than a float32 counts one by one."""
+    gain = _taught(np.full(1024, 65535), np.zeros(1024))[0].gain[0]
+    np.testing.assert_allclose(gain, np.sqrt(0.001 / (1024.0 * 65535.0 + 1.0)), rtol=1e-3)
 
 
 def test_the_second_lesson_scales_by_what_is_new():
@@ -162,11 +196,11 @@ def _error(guided, material, seed, world):
 @pytest.mark.statistical
 @pytest.mark.parametrize("material", [diffuse(), glossy(0.3)])
 def test_what_was_learnt_lowers_the_error(material):
-    """Light through a gap: by 15 % at least (measured: .74, .77), and the mean stays."""
+    """Light through a gap: by a quarter at least (measured: .63, .58), and the mean stays."""
     world = gradient_world()
     found = np.array([_error(True, material, seed, world) for seed in (1, 2, 3)])
     plain = np.array([_error(False, material, seed, world) for seed in (1, 2, 3)])
-    assert found[:, 0].mean() < 0.85 * plain[:, 0].mean()
+    assert found[:, 0].mean() < 0.75 * plain[:, 0].mean()
     assert abs(found[:, 1].mean()) < 0.01
 
 
@@ -174,7 +208,7 @@ def test_what_was_learnt_lowers_the_error(material):
 def test_a_hidden_sun_is_let_go():
     """Ten times as bright as its sky, and behind the roof: what it costs the sky's light.
 
-    Errors measured: .20 with the sun, .142 without it; .59 where nothing is learnt.
+    Errors measured: .15 with the sun, .119 without it; .59 where nothing is learnt.
     """
     suns = [one_texel_world(32, 24, 0, value, ground=1.0) for value in (5e3, 1.0)]
     found = np.array(
@@ -182,4 +216,4 @@ def test_a_hidden_sun_is_let_go():
     )
     plain = np.mean([_error(False, diffuse(), seed, suns[0])[0] for seed in (1, 2, 3)])
     with_sun, without = found.mean(axis=1)
-    assert with_sun < 1.6 * without and with_sun < 0.45 * plain
+    assert with_sun < 1.5 * without and with_sun < 0.35 * plain

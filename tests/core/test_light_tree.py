@@ -8,9 +8,14 @@ import pytest
 import iwis.core.light.light_tree as light_tree
 from iwis.core.bsdf.luminance import luminance
 from iwis.core.light.environment import eval_environment_many, make_lookup
-from iwis.core.light.light_cells import _neighbour
 from iwis.core.light.light_tree import build_pyramid
-from iwis.core.light.pyramid import WHOLE_LEVELS, eval_leaf, level_offset, morton_to_row_column
+from iwis.core.light.pyramid import (
+    WHOLE_LEVELS,
+    cell_beside,
+    eval_leaf,
+    level_offset,
+    morton_to_row_column,
+)
 from iwis.core.scene import CLOSEST, LINEAR_SRGB, MIRROR_BALL, EnvironmentMap
 from iwis.core.unit_square.sphere_map import sphere_grid, sphere_to_square
 from support.light_leaves import (
@@ -69,7 +74,7 @@ def test_cells_beyond_the_squares_border_are_next_on_the_sphere():
     edges = [(border, 0 * border, 0, -1), (border, 0 * border + 31, 0, 1)]
     edges += [(0 * border, border, -1, 0), (0 * border + 31, border, 1, 0)]
     for rows, columns, down, right in edges:
-        near = [_neighbour(i + down, j + right, side) for i, j in zip(rows, columns, strict=True)]
+        near = [cell_beside(i + down, j + right, side) for i, j in zip(rows, columns, strict=True)]
         beyond = np.array([centers[morton_to_row_column(cell)] for cell in near])
         way = np.arccos((beyond * centers[rows, columns]).sum(-1).clip(-1.0, 1.0))
         assert 0.5 * ways.min() < way.min() and way.max() < 1.2 * ways.max()  # not the cell itself
