@@ -14,7 +14,7 @@ from ..bsdf.lobes import DIFFUSE_LOBE
 from ..bsdf.microfacet import MIN_ALPHA
 from ..data.channels import LUMINANCE
 from ..data.lamps import BEAM, DISC, MESH, NOT_BY_BSDF, ROUND_BEAM, SPHERE, SUN, Lamps
-from .lamp_cones import cone_factor
+from .lamp_cones import cone_factor, soft_cone_factor
 from .lamp_falloff import falloff_at
 from .near_meshes import is_near_mesh
 
@@ -100,11 +100,13 @@ def _reflected(at, x, y, z, extent, radius, far):
 @kernel(forceinline=True)
 def _towards(lamps, i, x, y, z, width, far):
     """About what lamp i shines towards (x, y, z), so far from its middle, of what it does along its
-    axis; 0 only for one without size, whose cone ends before."""
+    axis; 0 only for a spot whose cone ends before. width: of a spot its radius"""
     share = 1.0
     if lamps.size[i, 1] > _ZERO:
         f = lamps.forward
         share = min((x * f[i, 0] + y * f[i, 1] + z * f[i, 2] + width) / max(far, 1e-12), 1.0)
+    elif lamps.cone[i, 0] > _NO_CONE and width > 0.0:
+        return soft_cone_factor(lamps, i, -x, -y, -z, width / max(far, 1e-12))
     elif lamps.cone[i, 0] > _NO_CONE:
         share = cone_factor(lamps, i, -x, -y, -z)
     return max(share, _LEAST_COSINE) if width > 0.0 else share

@@ -7,6 +7,7 @@ from iwis.core._jit import kernel
 from iwis.core.bsdf.lobes_at import lobes_at
 from iwis.core.data.lamps import RECTANGLE, SPHERE, SUN, make_lamps
 from iwis.core.lamplight.lamp_choice import ALL_LAMPS, powers_of, share_out
+from iwis.core.lamplight.lamp_cones import cone_factor, soft_cone_factor
 from support.lamp_points import sampled, seen_point
 from support.scenes import diffuse, glossy, principled
 from support.statistics import sidak, t_p_value
@@ -24,12 +25,13 @@ def test_many_lamps_are_chosen_from_without_bias():
     """40 lamps, of which 8 are taken: the mean is that of all by name, alpha 1e-3."""
     rng = np.random.default_rng(5)
     rows = []
-    for _ in range(40):
+    for _ in range(30):
         position = rng.uniform((-3.0, -3.0, 0.5), (3.0, 3.0, 3.0))
         kind = (SPHERE, RECTANGLE)[int(rng.integers(2))]
         size = (0.2, 0.0) if kind == SPHERE else (0.3, 0.2)
         rows.append({"kind": kind, "position": position, "size": size, "radiance": rng.random()})
     rows.append({"kind": SUN, "radiance": 0.01, "size": (0.05, 0.0)})
+    rows += _turned_spots(rng, 10, 0.2)
     assert len(rows) > ALL_LAMPS
     for material in ("paint", "shiny"):
         expected = sum(
@@ -43,8 +45,8 @@ def test_many_lamps_are_chosen_from_without_bias():
         assert t_p_value(found, 1.05 * expected) < 1e-3
 
 
-def _turned_spots(rng, count):
-    """Rows of spots without size over the floor, 34 degrees wide each way, at places on it."""
+def _turned_spots(rng, count, radius=0.0):
+    """Rows of spots of a radius over the floor, 34 degrees wide each way, at places on it."""
     rows = []
     for _ in range(count):
         position = rng.uniform((-3.0, -3.0, 0.5), (3.0, 3.0, 3.0))
@@ -55,22 +57,57 @@ def _turned_spots(rng, count):
         up = np.cross(right, forward)
         frame = {"forward": forward, "right": right, "up": up}
         cone = {"to_cone": np.stack([right, up, -forward]), "cone": (np.cos(0.6), 30.0)}
-        rows.append({"kind": SPHERE, "position": position, "radiance": 5.0} | frame | cone)
+        lamp = {"kind": SPHERE, "position": position, "radiance": 5.0, "size": (radius, 0.0)}
+        rows.append(lamp | frame | cone)
     return rows
 
 
 def test_many_lamps_are_chosen_from_by_what_they_bring():
-    """Of 60 balls half are below the floor, of 60 spots most shine elsewhere: one sample of eight
-    lamps has little noise where nothing is between (by power and distance alone .4 and .45)."""
+    """Of 60 balls half are below the floor, of 60 spots, hard and soft, most shine elsewhere: one
+    sample of eight lamps has little noise where nothing is between (by power and distance alone .4
+    and .45, and 1.3 of soft spots each of which had a tenth of its light outside its cone)."""
     rng = np.random.default_rng(3)
     places = rng.uniform((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0), (60, 3))
     balls = [
         {"kind": SPHERE, "position": place, "size": (0.05, 0.0), "radiance": 5.0}
         for place in places
     ]
-    for rows in (balls, _turned_spots(rng, 60)):
+    for rows in (balls, _turned_spots(rng, 60), _turned_spots(rng, 60, 0.05)):
         light = sampled(rows, MATTE, 2000, 1).sum(axis=1)
         assert 0.0 < light.std() < 0.1 * light.mean()
+
+
+@kernel
+def _fill_cones(lamps, along, sine, out):
+    for k in range(len(along)):
+        x, y, z = np.float64(along[k, 0]), np.float64(along[k, 1]), np.float64(along[k, 2])
+        out[k, 0] = cone_factor(lamps, 0, x, y, z)
+        out[k, 1] = soft_cone_factor(lamps, 0, x, y, z, sine)
+
+
+@pytest.mark.parametrize("shape", ["round", "scaled", "sheared"])
+def test_a_soft_spot_has_a_share_where_any_of_it_shines(shape, rng):
+    """By the mean of its middle and its brightest place: from 0, where nothing comes through, and
+    half of the most of 400 places on it, to what the middle and that make, and not much more."""
+    frame, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    shapes = {"round": np.eye(3), "scaled": np.diag([1.0, 3.0, 1.0])}
+    shapes["sheared"] = np.array([[1.0, 0.6, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    row = {"kind": SPHERE, "size": (0.1, 0.0), "cone": (np.cos(0.5), 8.0), "radiance": 1.0}
+    lamps, sine = make_lamps([row | {"to_cone": shapes[shape] @ frame}]), 0.15
+    middles = rng.normal(size=(2000, 3))
+    middles /= np.linalg.norm(middles, axis=1)[:, None]
+    aside = np.cross(middles[:, None], rng.normal(size=(2000, 400, 3)))
+    aside *= np.tan(np.arcsin(sine)) / np.linalg.norm(aside, axis=2)[..., None]
+    found, places = np.empty((2000, 2)), np.empty((2000 * 400, 2))
+    _fill_cones(lamps, middles, sine, found)
+    _fill_cones(lamps, (middles[:, None] + aside).reshape(-1, 3), sine, places)
+    middle, share = found.T
+    most = np.maximum(places[:, 0].reshape(2000, 400).max(1), middle)
+    assert ((middle > 0.0) & (middle < 1.0)).any() and ((most > 0.0) & (middle == 0.0)).any()
+    assert (share >= 0.5 * (middle + most) - 1e-6).all()  # float32 columns of the lamp
+    if shape == "round":
+        np.testing.assert_allclose(share, 0.5 * (middle + most), atol=2e-3)  # 400 places' best
+    assert (share == 0.0).mean() > 0.5
 
 
 def _ceiling():
