@@ -18,6 +18,7 @@ import numpy as np
 from ..camera.pass_rays import PILOT
 from ..camera.silhouettes import Silhouettes
 from ..passes.light_edges import add_edges
+from ..passes.lucky_passes import raise_lucky
 from ..passes.pass_sums import PassSums, cell_spreads, fill_spreads, seldom_spreads
 from ..sampling.stop_rule import FLOOR, plan_counts, threshold_of, typical_count
 from ..settings import RenderSettings
@@ -87,6 +88,7 @@ class PassPlan:
             return spread
 
         spread = own(pixels)
+        raise_lucky(pixels, self._cell, self._silhouettes.width, sums, spread)
         add_edges(pixels, self._cell, self._silhouettes.width, self._batch, sums, spread)
         if len(blurred_ones):
             passes, light = sums.passes[blurred_ones], sums.light[blurred_ones]

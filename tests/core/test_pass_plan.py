@@ -6,6 +6,7 @@ import pytest
 from iwis.core.camera.pass_rays import PILOT, rays_by_pass
 from iwis.core.data.asked_passes import AskedPasses
 from iwis.core.data.lamps import SPHERE, make_lamps
+from iwis.core.passes.lucky_passes import raise_lucky
 from iwis.core.passes.pass_sums import close_passes, fill_spreads, new_pass_sums
 from iwis.core.sampling.block_loop import BLOCK_POINTS, PASSES_AT_ONCE
 from iwis.core.sampling.neighbours import CELL_PX
@@ -160,6 +161,32 @@ def test_noise_between_pixels_is_no_edge():
     plan, pixels, sums = _nine_of_two_cells(uneven, 0.3)
     alike, _, same = _nine_of_two_cells(np.ones(9), 0.3)
     assert (plan.spreads(pixels, 45.0, sums) < 1.2 * alike.spreads(pixels, 45.0, same)).all()
+
+
+def test_pixels_that_were_bright_by_luck_go_on():
+    """r is relative to what the pixels around say, too, where that is as likely; of what was dark,
+    of what is brighter for certain and of another cell it is about the pixel's own."""
+    light = [1.0, 1.5, 1.0, 0.6, 1.0, 1.0, 1.5, 1.0, 1.0]
+    plan, pixels, sums = _nine_of_two_cells(light, 0.6)
+    alike, _, same = _nine_of_two_cells(np.ones(9), 0.6)
+    own = alike.spreads(pixels, 45.0, same)
+    found = plan.spreads(pixels, 45.0, sums) / own
+    # Of _some_sums' half sample that counts as unseen, less where there is more light.
+    np.testing.assert_allclose(found[[1, 6]], 1.5 / (3.5 / 3.0), rtol=0.02)
+    assert 0.95 < found[3] < 1.06 and found[4] > 1.1 and found[5] < 1.06
+    plan, pixels, sums = _nine_of_two_cells(light, 0.01)
+    sure = np.full(9, 45.0, np.float32)
+    raised = sure.copy()
+    raise_lucky(pixels, plan._cell, 11, sums, raised)
+    np.testing.assert_allclose(raised, sure, rtol=1e-6)
+
+
+def test_pixels_whose_passes_agree_by_luck_go_on():
+    """Beside noisier ones of the same light r is up to half as much again; these keep theirs."""
+    plan, pixels, sums = _nine_of_two_cells(np.ones(9), np.where(np.arange(9) == 2, 0.1, 0.6))
+    raised = np.ones(9, np.float32)
+    raise_lucky(pixels, plan._cell, 11, sums, raised)
+    np.testing.assert_allclose(raised, np.where(np.arange(9) == 2, 1.5, 1.0), rtol=1e-6)
 
 
 def _glint(spread, kind):
