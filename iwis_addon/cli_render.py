@@ -13,6 +13,7 @@ from .. import register, unregister
 from ..core.settings import DenoiseSettings, RenderSettings
 from . import preferences
 from .cli import CommandError
+from .file_outputs import check_outputs
 from .job import ENGINE, FrameStats, RenderJob, stats_by_frame
 from .leave import end_without_waiting
 from .output import check_written
@@ -99,6 +100,10 @@ def _render(scene, options) -> list[FrameStats]:
     frames = stats_by_frame(RenderJob.get().records)
     for frame in frames:
         _check(output_path(options, frame.frame))
+    try:
+        check_outputs(scene)
+    except OSError as error:
+        raise CommandError(str(error)) from None
     return frames
 
 

@@ -24,7 +24,7 @@ from .export import ExportCache
 from .leave import end_with_failure
 from .number_film import NumberFilm
 from .one_line import one_line
-from .output import check_saved, has_pixels, is_farm_job, lacks_layers
+from .output import check_movie, check_saved, has_pixels, is_farm_job, lacks_layers
 
 log = logging.getLogger(__name__)
 
@@ -186,11 +186,16 @@ def _on_render_post(_scene, _depsgraph=None):
 
 @persistent
 def _on_render_write(scene, _depsgraph=None):
-    job = RenderJob.current
-    if RenderJob.rendering != ENGINE or job is None:
-        return
+    # Scene strips that were rendered for this picture have ended jobs of their own.
+    if scene.render.engine == ENGINE:
+        _check(check_saved, scene)
+
+
+def _check(saved, scene) -> None:
+    """Make a failure of the job's process of what saved(scene) finds; its next frame then fails."""
+    job = RenderJob.get()
     try:
-        check_saved(scene)
+        saved(scene)
     except OSError as error:
         if bpy.app.background and not job.unsaved:  # Blender would end with 0
             end_with_failure(bpy.app.tempdir)
@@ -204,6 +209,8 @@ def _on_render_end(scene, _depsgraph=None):
     job = RenderJob.current
     if job is not None and job.layer_turned_on in scene.view_layers:
         scene.view_layers[job.layer_turned_on].use = False
+    if job is not None and job.begun and scene.render.engine == ENGINE and is_farm_job():
+        _check(check_movie, scene)
     if job is not None and not scene.render.use_persistent_data:
         job.forget_caches()
 

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import bpy
 
-from .whole_file import is_cut_short
+from .file_outputs import check_not_full, check_outputs, compositor_tree
+from .whole_file import KNOWN, is_cut_short
 
 # Pictures of little content compress to this part of their size; less room than that is none.
 _LEAST_COMPRESSED = 1 / 16
@@ -19,7 +20,8 @@ _RENDERS = {"-f", "--render-frame", "-a", "--render-anim"}
 
 def is_farm_job() -> bool:
     """Whether Blender renders, saves and ends by itself, as its command line says."""
-    return bpy.app.background and not bpy.app.module and bool(_RENDERS & set(sys.argv))
+    words = sys.argv[: sys.argv.index("--")] if "--" in sys.argv else sys.argv  # then a script's
+    return bpy.app.background and not bpy.app.module and bool(_RENDERS & set(words))
 
 
 def has_pixels(render) -> bool:
@@ -47,10 +49,8 @@ def lacks_layers(scene) -> bool:
     editor = scene.sequence_editor
     if render.use_sequencer and editor is not None and len(editor.strips_all):
         return False
-    tree = scene.compositing_node_group if hasattr(scene, "compositing_node_group") else None
-    if tree is None and scene.use_nodes:
-        tree = getattr(scene, "node_tree", None)
-    if tree is None or not render.use_compositing:
+    tree = compositor_tree(scene)
+    if tree is None:
         return True
     return any(
         node.bl_idname == "CompositorNodeRLayers" and not node.mute and node.scene in (None, scene)
@@ -67,7 +67,7 @@ def check_room(scene, channels: int) -> None:
     """
     if not is_farm_job():
         return
-    path = Path(bpy.path.abspath(scene.render.frame_path(frame=scene.frame_current)))
+    path = _picture_path(scene)
     folder = next((parent for parent in path.parents if parent.is_dir()), None)
     if folder is None:  # Blender says so
         return
@@ -90,10 +90,27 @@ def check_saved(scene) -> None:
 
     To be called after Blender has saved, which calls what it could not write a success.
     """
-    if bpy.app.module or scene.render.is_movie_format:  # a movie is not whole before its end
+    if bpy.app.module:
         return
-    path = Path(bpy.path.abspath(scene.render.frame_path(frame=scene.frame_current)))
-    check_written(path)
+    check_outputs(scene)
+    if scene.render.is_movie_format:  # not whole before its end
+        return
+    path = _picture_path(scene)
+    for file in check_written(path):
+        if file.suffix.lower() not in KNOWN and file.is_file():
+            check_not_full(file.parent)
+
+
+def check_movie(scene) -> None:
+    """Raise OSError where the movie that a Blender program has just ended is not whole."""
+    folder = _picture_path(scene).parent
+    if scene.render.is_movie_format and folder.is_dir():
+        check_not_full(folder)
+
+
+def _picture_path(scene) -> Path:
+    """The file of the scene's frame, or of its movie."""
+    return Path(bpy.path.abspath(scene.render.frame_path(frame=scene.frame_current)))
 
 
 def check_written(path: Path) -> list[Path]:

@@ -10,6 +10,9 @@ from __future__ import annotations
 import struct
 from pathlib import Path
 
+# Suffixes of formats that say whether they are whole.
+KNOWN = {".png", ".exr"}
+
 _PNG_END = b"IEND\xaeB`\x82"
 _EXR_MAGIC = b"v/1\x01"
 _TILED, _MULTIPART = 0x200, 0x1000  # bits of an OpenEXR file's version
