@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import bpy
+
 from .. import operators
 from . import (
+    ADDON_ID,
     bake,
     dependencies,
     engine,
@@ -49,7 +52,17 @@ MODULES = (
 
 
 def register() -> None:
-    """Register everything. Without a needed package too: the panel then says what is missing."""
+    """Register everything. Without a needed package too: the panel then says what is missing.
+
+    Raises RuntimeError where another copy of the add-on is enabled: Blender would let the second
+    take the first one's classes, and whichever is disabled would leave none that works.
+    """
+    other = _other_copy()
+    if other:
+        raise RuntimeError(
+            f"IWIS is already enabled, as the add-on {other!r}: disable that one in the "
+            "preferences first, for Blender can hold one IWIS only"
+        )
     done = []
     try:
         for module in MODULES:
@@ -66,3 +79,13 @@ def unregister() -> None:
     """Take everything back."""
     for module in reversed(MODULES):
         module.unregister()
+
+
+def _other_copy() -> str:
+    """The package of an IWIS that is registered now and is not this one; "" where there is none."""
+    for engine_class in bpy.types.RenderEngine.__subclasses__():
+        package = engine_class.__module__.rpartition(".iwis_addon.")[0]
+        same_name = getattr(engine_class, "bl_idname", "") == engine.IWISRenderEngine.bl_idname
+        if same_name and engine_class.is_registered and package != ADDON_ID:
+            return package
+    return ""

@@ -141,3 +141,27 @@ def test_registering_succeeds_without_packages(tmp_path):
     )
     assert done.returncode == 0, done
     assert "numba and embreex are missing" in done.stderr and "Install the IWIS" in done.stderr
+
+
+@pytest.mark.slow
+def test_second_copy_is_refused_while_the_first_is_enabled(tmp_path):
+    """By a line that names the first, which stays whole; the second may have its turn later."""
+    script = (
+        "import bpy, importlib.util, sys, iwis\n"
+        "spec = importlib.util.spec_from_file_location('copy_of_iwis', iwis.__file__)\n"
+        "copy = importlib.util.module_from_spec(spec); sys.modules['copy_of_iwis'] = copy\n"
+        "spec.loader.exec_module(copy)\n"
+        "iwis.register()\n"
+        "try:\n    copy.register()\n"
+        "except RuntimeError as error:\n    print('MESSAGE', error)\n"
+        "bpy.context.scene.render.engine = 'IWIS'\n"
+        "assert bpy.context.scene.iwis.max_samples > 0\n"
+        "bpy.context.scene.render.engine = 'BLENDER_WORKBENCH'\n"
+        "iwis.unregister(); copy.register(); copy.unregister(); iwis.register(); iwis.unregister()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done
+    assert "MESSAGE IWIS is already enabled, as the add-on 'iwis': disable that" in done.stdout
+    assert "has been registered before" not in done.stdout + done.stderr
