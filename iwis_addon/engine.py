@@ -11,7 +11,7 @@ from .bake import BakeRender
 from .dependencies import MissingPackage
 from .export import ExportError
 from .job import ENGINE, RenderJob
-from .leave import end_without_waiting
+from .leave import end_with_failure, end_without_waiting
 from .one_line import one_line
 from .output import is_farm_job
 from .passes import register_passes
@@ -122,8 +122,11 @@ class IWISRenderEngine(bpy.types.RenderEngine):
             log.debug("IWIS: a preview failed: %s", text)
             return
         self.report({"ERROR"}, text)
-        if is_farm_job():  # a thread that lacks memory, too, may never end
-            end_without_waiting(bpy.app.tempdir)
+        if is_farm_job():
+            # Blender ends with 0 where it was a compositor's other scene that failed. And a thread
+            # that lacks memory, too, may never end.
+            end = end_with_failure if RenderJob.rendering else end_without_waiting
+            end(bpy.app.tempdir)
         if not bpy.app.background:
             self.error_set(text)
 
