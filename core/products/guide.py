@@ -183,3 +183,20 @@ def scale_product(products, row, by):
     for c in range(BASE_CELLS):
         tree[BASE_BEGIN + c] *= by[c]
     sum_base(tree)
+
+
+@kernel
+def scale_products(products, count, wanted, used, by):
+    """Scale what points use that want more samples than their count, each product once.
+
+    count, wanted: int32, of the points; used: scratch, int32
+    """
+    n = len(count)
+    for p in range(n):
+        used[p] = 0
+    for p in range(n):
+        if wanted[p] > count[p]:
+            used[products.own[p]] = 1
+    for row in range(n):
+        if used[row] != 0:
+            scale_product(products, row, by)

@@ -15,14 +15,22 @@ import numpy as np
 from .._jit import kernel
 from ..bsdf.lobes import Lobes
 from ..geometry.shading import ShadingPoints
-from ..products.guide import GuideRoom, guide_of, learn, new_guide_room, next_lesson, scale_product
+from ..products.guide import (
+    GuideRoom,
+    guide_of,
+    learn,
+    new_guide_room,
+    next_lesson,
+    scale_product,
+    scale_products,
+)
 from ..products.like_products import build_products
 from ..products.product import Products, new_products
 from ..unit_square.sample_order import MOST_ORDERED
 from ..unit_square.sequence import PixelSequence
 from .incremental import PixelSums, RayBatch, least_count, new_rays, select_points
 from .neighbours import CELL_PX, Neighbours, fill_neighbours
-from .scouts import ScoutRoom, new_scout_room, send_scouts
+from .scouts import ScoutRoom, mostly_hidden, new_scout_room, send_scouts
 from .stop_rule import (
     Rule,
     RuleRoom,
@@ -172,20 +180,6 @@ def _take_piece(task, n_active, first, end, traversal, sums, room, stop):
     return traced
 
 
-@kernel
-def _scale_products(products, sums, room):
-    """Scale what points use that go on, each product once."""
-    used, n = room.used, len(sums.count)
-    for p in range(n):
-        used[p] = 0
-    for p in range(n):
-        if room.wanted[p] > sums.count[p]:
-            used[products.own[p]] = 1
-    for row in range(n):
-        if used[row] != 0:
-            scale_product(products, row, room.guide.ratio)
-
-
 @kernel(inline="always")
 def _take_round(task, n_active, first, end, traversal, sums, room, stop):
     """The same for a whole round, with the guide's lessons in between."""
@@ -195,10 +189,26 @@ def _take_round(task, n_active, first, end, traversal, sums, room, stop):
         if len(guide.learnt) > 0:
             if first >= next_lesson(guide):
                 learn(guide, first, room.guide)
-                _scale_products(task.products, sums, room)
+                scale_products(task.products, sums.count, room.wanted, room.used, room.guide.ratio)
             piece = min(piece, next_lesson(guide))
         traced += _take_piece(task, n_active, first, piece, traversal, sums, room, stop)
         first = piece
+    return traced
+
+
+@kernel
+def _look_ahead(task, traversal, sums, room, wanted):
+    """Have the guide learn from rays that are sent ahead; how many there were."""
+    own, traced = (wanted, room.some, room.counts, room.rays), np.int64(0)
+    for every in (2, 1):
+        n = send_scouts(task, traversal, sums, room.work, room.scouts, every, *own)
+        if n == 0:
+            break
+        traced += n
+        learn(task.guide, 1, room.guide)
+        scale_products(task.products, sums.count, room.wanted, room.used, room.guide.ratio)
+        if not mostly_hidden(task.guide):
+            break
     return traced
 
 
@@ -213,11 +223,7 @@ def _continue_block(task, traversal, rule, neighbours, sums, room, stop):
             wanted[p] = 0
     traced, taken = np.int64(0), least_count(wanted, sums)
     if taken >= 0 and len(task.guide.learnt) > 0 and task.guide.learnt[0] == 0:
-        own = room.scouts, wanted, room.some, room.counts, room.rays
-        traced += send_scouts(task, traversal, sums, room.work, *own)
-        if traced > 0:
-            learn(task.guide, 1, room.guide)
-            _scale_products(task.products, sums, room)
+        traced += _look_ahead(task, traversal, sums, room, wanted)
     while taken >= 0 and not stop[0]:
         n_active = select_points(wanted, taken, sums, active)
         end = end_of_round(rule, taken)

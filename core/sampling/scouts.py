@@ -2,9 +2,10 @@
 
 Samples that are taken before anything is learnt are the worst that a point has: in a room behind
 whose wall the sun stands nearly all of them go there, and the few that find the window weigh as
-much as all the others together. So every point sends one ray ahead. Their places in the square are
-a net over the block [Roberts18], and have nothing to do with those of the points' samples, which
-are as unbiased as ever. docs/decisions/0016-learnt-visibility.md has the figures.
+much as all the others together. So every other point sends a ray ahead, and where most of these are
+stopped, each sends one more, by what they have told. Their places in the square are a net over the
+block [Roberts18], and have nothing to do with those of the points' samples, which are as unbiased
+as ever. docs/decisions/0016-learnt-visibility.md has the figures.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from .incremental import PixelSums, new_sums
 from .unbiased import Task, take_samples
 
 _WORTH = 8  # samples that a point wants at the least to send one
+_HIDDEN = 0.25  # of the first ones are free, or fewer: more are sent
 # From a scout's place to the next one's, as parts of 2^32: powers of the plastic number.
 _STEP_X, _STEP_Y = np.uint32(0xC13FA9A9), np.uint32(0x91E10DA6)
 _OTHER = np.uint32(0x9E3779B9)  # makes another number of a pixel's hash
@@ -41,15 +43,21 @@ def new_scout_room(n: int) -> ScoutRoom:
     )
 
 
+@kernel(forceinline=True)
+def mostly_hidden(guide):
+    """Whether so few of the rays that it knows of were free that more should be sent ahead."""
+    return np.sum(guide.free[0]) < _HIDDEN * np.sum(guide.asked[0])
+
+
 @kernel
-def send_scouts(task, traversal, sums, work, room, wanted, some, counts, rays):
-    """Have rays noted in the task's guide; how many there were.
+def send_scouts(task, traversal, sums, work, room, every, wanted, some, counts, rays):
+    """Have a ray of one of ``every`` points noted in the task's guide; how many rays there were.
 
     sums, wanted: of the points; work, some, counts, rays: scratch, of take_samples
     """
     n, own = np.int64(0), room
-    x, y = task.sequence.x[0] ^ _OTHER, task.sequence.y[0] ^ _OTHER
-    for p in range(len(sums.count)):
+    x, y = task.sequence.x[0] ^ _OTHER, task.sequence.y[0] ^ np.uint32(_OTHER * np.uint32(every))
+    for p in range(0, len(sums.count), every):
         if wanted[p] - sums.count[p] >= _WORTH:
             some[n], counts[n] = p, 1
             x, y = np.uint32(x + _STEP_X), np.uint32(y + _STEP_Y)

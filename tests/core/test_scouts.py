@@ -30,10 +30,14 @@ def _tile(world, seed=0, samples=4096, parts=()):
     return tile
 
 
-@pytest.mark.parametrize(("samples", "ahead"), [(4, 0), (7, 0), (8, 1), (16, 1)])
-def test_each_point_sends_one_where_it_pays(samples, ahead):
-    """They are rays, and noted in the guide, but nobody's samples."""
-    tile = _tile(gradient_world(), samples=samples)
+@pytest.mark.parametrize(
+    ("parts", "samples", "ahead"),
+    [((), 4, 0), ((), 7, 0), ((), 8, 0.5), ((), 16, 0.5), (_GAP, 8, 1.5)],
+)
+def test_they_are_sent_where_that_pays(parts, samples, ahead):
+    """By every other point, and by each where most of these meet something; not for few samples.
+    They are rays, and noted in the guide, but nobody's samples."""
+    tile = _tile(gradient_world(), samples=samples, parts=parts)
     tile.advance(samples)
     counts = tile.counts()
     whole = 256 * (samples + ahead)
