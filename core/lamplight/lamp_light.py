@@ -123,6 +123,15 @@ def _pdf(at, near, x, y, z):
 
 
 @kernel(forceinline=True)
+def _below_smooth(at, x, y, z):
+    """Whether a map has turned the normal, and the light comes from below the smooth surface.
+
+    Matte has none from there (bump_gain), nor has gloss of Cycles' light samples.
+    """
+    return at.bump > 0.0 and at.smooth[0] * x + at.smooth[1] * y + at.smooth[2] * z <= 0.0
+
+
+@kernel(forceinline=True)
 def _to_lamp(at, points, p, lamps, i, share, follows, a, b, offset, rays, n, sums):
     """A sample of lamp i from point p; share: samples of it that are expected; follows: whether
     samples of the BSDF follow, of a sharp lobe, and beside a mesh."""
@@ -130,7 +139,7 @@ def _to_lamp(at, points, p, lamps, i, share, follows, a, b, offset, rays, n, sum
     px, py, pz = _float64(points.position, p)
     nx, ny, nz = np.float64(at.normal[0]), np.float64(at.normal[1]), np.float64(at.normal[2])
     dx, dy, dz, far, factor, pdf, face = sample_lamp(lamps, i, px, py, pz, nx, ny, nz, a, b)
-    if not factor > 0.0:
+    if not factor > 0.0 or _below_smooth(at, dx, dy, dz):
         return n
     weight = factor / (pdf * share)
     if (sharp or near) and is_met(lamps, i, sharp, points.position, p):

@@ -8,6 +8,10 @@ import pytest
 
 from iwis.core._jit import kernel
 from iwis.core.bsdf.bump import bump_gain, turns
+from iwis.core.data.lamps import SUN, make_lamps
+from iwis.core.lamplight.lamp_light import COLUMNS, LampSamples, add_lamp_light
+from support.lamp_points import seen_point
+from support.scenes import glossy
 
 
 class _At(NamedTuple):
@@ -51,3 +55,21 @@ def test_grazing_light_is_shadowed():
 def test_small_turns_change_nothing():
     gains = _at_elevations(np.array([10.0, 60.0]), 0.5)
     assert gains == pytest.approx(1.0, abs=1e-3)
+
+
+def _gloss_of_sun(smooth):
+    """What a sun brings to gloss of a floor that is smooth with the normals ``smooth``."""
+    points, lobes, accel = seen_point(glossy(0.4, (1.0, 1.0, 1.0)))
+    own = np.float32([smooth]) / np.float32(np.linalg.norm(smooth))
+    lobes = lobes._replace(smooth=own, bump=turns(own, lobes.normal))
+    sun = {"kind": SUN, "size": (0.004, 0.0), "forward": (-0.8, 0.0, -0.6), "radiance": (1, 1, 1)}
+    sums, row = np.zeros((1, COLUMNS)), np.zeros(1, np.int64)
+    samples = LampSamples(row, row, row, 7)
+    add_lamp_light(points, lobes, make_lamps([sun]), accel, samples, sums)
+    return sums[0, 3:6].sum()
+
+
+def test_gloss_has_no_lamp_below_the_smooth_surface():
+    """The sun is above the face and the turned normal, 4 degrees above or below the surface."""
+    assert _gloss_of_sun((-0.538, 0.0, 0.843)) > 0.0
+    assert _gloss_of_sun((-0.656, 0.0, 0.755)) == 0.0

@@ -7,6 +7,7 @@ from mathutils import Matrix
 
 from . import cases
 from .cases import CASES, Case
+from .lamp_cases import add_lamp
 from .lit_cases import principled
 
 lit = functools.partial(cases.lit, samples=(512, 512))
@@ -34,6 +35,22 @@ def _turned(tree, normal):
 
 for _axis, _normal in {"X": (1, 0, 0), "Y": (0, 1, 0), "-Y": (0, -1, 0), "-Z": (0, 0, -1)}.items():
     lit(f"Glossy, all normals are {_axis}", lambda t, n=_normal: _turned(t, n))
+
+
+def _turned_to_lamp(name, location, **options):
+    """Smooth meshes in the dark, whose normals turn to a sun that is below the surface of some."""
+
+    def build(scene, tree):
+        for obj in scene.objects:
+            if obj.type == "MESH":
+                obj.data.shade_smooth()
+        add_lamp(scene, "SUN", location, energy=3.0, angle=0.02)
+        tree.surface(_turned(tree, (0, 0, 1)))
+
+    cases.lit_by(name, build, **options)
+
+
+_turned_to_lamp("Sun behind, all normals are Z, coarse and smooth", (-2, 4, 1.5))
 _coarse("Diffuse", lambda t: t.made("ShaderNodeBsdfDiffuse", 0, {"Color": RED}))
 _coarse("Glossy", lambda t: t.made("ShaderNodeBsdfAnisotropic", 0, {"Roughness": 0.4}))
 _coarse("Translucent", lambda t: t.made("ShaderNodeBsdfTranslucent", 0, {"Color": RED}))
