@@ -22,7 +22,6 @@ _SHARP_PX = 1.0
 # Shadow rays of a point where lens or motion blur: 8 reach the same mean error in a fifth less time
 # than 4, but bright spots out of focus want many points (docs/decisions/0020-cameras.md).
 _BLURRED_SAMPLES = 4
-_APART = 2  # slices; a power of two
 PILOT = 4  # passes of every pixel, after which its neighbourhood is known
 
 
@@ -88,16 +87,17 @@ def pass_slices(settings: RenderSettings, columns, rows, number, slices: int) ->
 
     slices: a power of two, 8 or more. In four passes a pixel goes through the quarters of the time
     in an order of its own, at one place in all; so in as many passes as there are slices it sees
-    each once. Those four passes are taken together, and have points of few slices: pixels' places
-    in a quarter differ by less than _APART, so that few passes look less like a row of pictures.
+    each once. Those four passes are taken together, and have points of few slices: half of the
+    pixels, so that few passes look less like a row of pictures, are at the mirrored place in each
+    quarter. So all together see the middle of the time on average, however few passes they have.
     """
     own = 0 if settings.decorrelation == "NONE" else 1
     place = own * columns, own * rows
     u = unit_points(*place, number, settings.seed, TIME)[:, 0]
     inside = slices // 4
-    order = np.array([_spread(k, inside) for k in range(inside)])
-    aside = unit_points(*place, 0, settings.seed, TIME)[:, 1] * min(_APART, inside)
-    where = order[number // 4 % inside] ^ aside.astype(np.int64)
+    order = np.array([_spread(k, inside) for k in range(inside)]) ^ (inside // 2 - 1)
+    mirrored = unit_points(*place, 0, settings.seed, TIME)[:, 1] < 0.5
+    where = order[number // 4 % inside] ^ (mirrored * (inside - 1))
     return np.minimum((u * 4.0).astype(np.int64), 3) * inside + where
 
 

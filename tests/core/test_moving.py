@@ -131,6 +131,17 @@ def test_pixels_see_every_part_of_the_time():
     np.testing.assert_array_equal(own, seen[number, np.arange(len(columns))])
 
 
+@pytest.mark.parametrize("slices", [8, 16, SLICES])
+@pytest.mark.parametrize("passes", [4, 8, 12])
+def test_few_passes_see_the_middle_of_the_time(slices, passes):
+    """Pixels that end after a few show what moves where it is on average, not where it was."""
+    columns, rows = (a.ravel().astype(np.int64) for a in np.meshgrid(range(64), range(64)))
+    own = RenderSettings(), columns, rows
+    seen = np.mean([pass_slices(*own, k, slices) for k in range(passes)], axis=0)
+    assert abs(seen.mean() - (slices - 1) / 2) <= 4.0 * seen.std() / 64.0
+    assert seen.std() < slices / 12.0
+
+
 @pytest.mark.slow
 def test_uv_moves_with_its_object():
     """A floor that goes 1.2 m along x: the mean place on its map lies .6 m behind."""
