@@ -123,6 +123,14 @@ def test_twin_without_a_failure_saves(file_format, tmp_path):
     assert len(list(tmp_path.iterdir())) == 1
 
 
+def _succeeds(script):
+    """What a process with bpy said that ran the script and ended with 0."""
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done
+    return done
+
+
 @pytest.mark.slow
 def test_registering_succeeds_without_packages(tmp_path):
     """Without numba and embreex the add-on registers, and says on stderr what to do."""
@@ -136,10 +144,7 @@ def test_registering_succeeds_without_packages(tmp_path):
         "bpy.context.scene.render.engine = 'BLENDER_WORKBENCH'\n"
         "iwis.unregister()"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
-    )
-    assert done.returncode == 0, done
+    done = _succeeds(script)
     assert "numba and embreex are missing" in done.stderr and "Install the IWIS" in done.stderr
 
 
@@ -159,9 +164,6 @@ def test_second_copy_is_refused_while_the_first_is_enabled(tmp_path):
         "bpy.context.scene.render.engine = 'BLENDER_WORKBENCH'\n"
         "iwis.unregister(); copy.register(); copy.unregister(); iwis.register(); iwis.unregister()"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
-    )
-    assert done.returncode == 0, done
+    done = _succeeds(script)
     assert "MESSAGE IWIS is already enabled, as the add-on 'iwis': disable that" in done.stdout
     assert "has been registered before" not in done.stdout + done.stderr
