@@ -2,10 +2,10 @@
 
 Samples that are taken before anything is learnt are the worst that a point has: in a room behind
 whose wall the sun stands nearly all of them go there, and the few that find the window weigh as
-much as all the others together. So every other point sends a ray ahead, and where most of these are
-stopped, each sends one more, by what they have told. Their places in the square are a net over the
-block [Roberts18], and have nothing to do with those of the points' samples, which are as unbiased
-as ever. docs/decisions/0016-learnt-visibility.md has the figures.
+much as all the others together. So every other pixel sends a ray ahead, and where most of these are
+stopped, each point sends one more, by what they have told. Their places in the square are a net
+over the block [Roberts18], and have nothing to do with those of the points' samples, which are as
+unbiased as ever. docs/decisions/0016-learnt-visibility.md has the figures.
 """
 
 from __future__ import annotations
@@ -51,14 +51,19 @@ def mostly_hidden(guide):
 
 @kernel
 def send_scouts(task, traversal, sums, work, room, every, wanted, some, counts, rays):
-    """Have a ray of one of ``every`` points noted in the task's guide; how many rays there were.
+    """Have a ray of one of ``every`` pixels noted in the task's guide; how many rays there were.
 
+    Of a pixel's points in the block, which follow each other, it is the first's, that of its first
+    pass; where every pixel sends some, all of them do.
     sums, wanted: of the points; work, some, counts, rays: scratch, of take_samples
     """
-    n, own = np.int64(0), room
+    n, pixels, own, pixel = np.int64(0), np.int64(0), room, task.points.pixel
     x, y = task.sequence.x[0] ^ _OTHER, task.sequence.y[0] ^ np.uint32(_OTHER * np.uint32(every))
-    for p in range(0, len(sums.count), every):
-        if wanted[p] - sums.count[p] >= _WORTH:
+    for p in range(len(sums.count)):
+        if every > 1 and p > 0 and pixel[p] == pixel[p - 1]:
+            continue
+        pixels += 1
+        if pixels % every == 0 and wanted[p] - sums.count[p] >= _WORTH:
             some[n], counts[n] = p, 1
             x, y = np.uint32(x + _STEP_X), np.uint32(y + _STEP_Y)
             own.x[p], own.y[p] = x, y

@@ -295,4 +295,5 @@ def test_copies_stand_still_while_the_shutter_is_open(above, moves):
     whole, _ = exported_in_motion()
     assert whole.copies is None
     off = shares_off(ours, picture(whole, max_samples=64))
-    assert max(off.values()) < 0.02, off  # as above, at more rays
+    # As above, at more rays: one that meets an edge otherwise teaches a whole cell otherwise.
+    assert max(off.values()) * ours["depth"].size <= 64, off

@@ -35,7 +35,7 @@ def _tile(world, seed=0, samples=4096, parts=()):
     [((), 4, 0), ((), 7, 0), ((), 8, 0.5), ((), 16, 0.5), (_GAP, 8, 1.5)],
 )
 def test_they_are_sent_where_that_pays(parts, samples, ahead):
-    """By every other point, and by each where most of these meet something; not for few samples.
+    """By every other pixel, and by each where most of these meet something; not for few samples.
     They are rays, and noted in the guide, but nobody's samples."""
     tile = _tile(gradient_world(), samples=samples, parts=parts)
     tile.advance(samples)
