@@ -28,7 +28,8 @@ from .product_build import sum_base
 _TRUST, _BESIDE = np.float32(8.0), np.float32(2.0)
 _TOLD, _DOUBT = np.float32(24.0), np.float32(0.001)
 _ONE, _SMOOTH = np.float32(1.0), np.float32(0.5)
-_FIRST, _FACTOR = 2, 4  # learn at 2 samples of a point, 8, 32, 128 ...
+# Learn at 1 sample of a point, sent ahead (scouts.py), 4, 16, 64 ...; where none is, 2, 8, 32 ...
+_FIRST, _FACTOR = 2, 4
 _FULL = np.uint16(65535)
 _SIDE = 1 << BASE_LEVEL
 
