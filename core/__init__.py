@@ -3,7 +3,7 @@
 What is here, in the order of the data: folders, and files of this folder. A module imports only
 what stands above its own row, and from its own folder; nothing imports in a circle.
 
-    _kernel_files, _parts, _jit  how kernels are compiled and kept: @kernel
+    _quicker, _kernel_files, _parts, _jit  how kernels are compiled and kept: @kernel
     data           what a Scene is made of, without numba: programs, lamps, motion, copies
     settings       every setting of a render, its default and its limits
     scene          what is rendered

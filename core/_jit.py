@@ -114,11 +114,15 @@ def kernel(function=None, *, allocates=False, ordered=False, **options):
     return _kept(lambda wrapped: new_kernel(wrapped, options), function)
 
 
-def c_callback(signature):
-    """Compile a function that C code may call, in any thread and without Python: f.address."""
+def c_callback(signature, counts_references=True):
+    """Compile a function that C code may call, in any thread and without Python: f.address.
+
+    counts_references: of arrays, as a kernel that allocates does
+    """
     if not _KNOWN_NUMBA:
         return lambda function: _kept(numba.cfunc(signature, cache=True), function)
-    return lambda function: _kept(lambda wrapped: c_function(wrapped, signature), function)
+    options = {"nopython": True, "_nrt": counts_references}
+    return lambda function: _kept(lambda wrapped: c_function(wrapped, signature, options), function)
 
 
 def _kept(compile_it, function):

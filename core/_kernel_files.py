@@ -13,17 +13,20 @@ for it and read (turn_of).
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import hashlib
 import logging
 import pickle
 import time
 import zlib
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 from numba.core import ccallback, sigutils
 from numba.core.caching import IndexDataCacheFile
+from numba.core.compiler_lock import global_compiler_lock
+
+from ._quicker import quicker
 
 try:
     import fcntl
@@ -92,7 +95,7 @@ class KernelFiles(IndexDataCacheFile):
         return pickle.loads(data[:-_SUM])
 
 
-@contextlib.contextmanager
+@contextmanager
 def turn_of(path: Path, seconds: float = _TURN_SECONDS):
     """Hold the lock of a file. Without it where there are no locks, or where ``seconds`` did not
     suffice: then two do the same. The system takes it from a process that ends, however it does.
@@ -133,10 +136,19 @@ def _tell_once(folder: str, reason: str) -> None:
     )
 
 
-def c_function(function, signature) -> ccallback.CFunc:
-    """As numba's cfunc(signature, cache=True)(function)."""
-    made = ccallback.CFunc(function, sigutils.normalize_signature(signature), {}, {})
+def is_kept(cache, signature: tuple, codegen) -> bool:
+    """Whether there is machine code for a signature in a numba Cache of ours."""
+    return cache._index_key(signature, codegen) in cache._cache_file._load_index()
+
+
+def c_function(function, signature, options: dict) -> ccallback.CFunc:
+    """As numba's cfunc(signature, cache=True, **options)(function): of several processes one
+    compiles."""
+    made = ccallback.CFunc(function, sigutils.normalize_signature(signature), {}, options)
     made.enable_caching()
     KernelFiles.take_over(made._cache)
-    made.compile()
+    codegen = made._targetdescr.target_context.codegen()
+    kept = is_kept(made._cache, made._sig, codegen)
+    with global_compiler_lock, nullcontext() if kept else made._cache._cache_file.turn(), quicker():
+        made.compile()
     return made

@@ -10,10 +10,10 @@ A kernel that is found in the disk cache needs no parts: they are not kept there
 
 from __future__ import annotations
 
-import gc
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from typing import ClassVar
 
+import llvmlite.binding as llvm
 from llvmlite import ir
 from numba.core import cgutils, compiler, lowering, typed_passes, types
 from numba.core.codegen import JITCodeLibrary
@@ -21,13 +21,11 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import register_pass
 from numba.core.registry import CPUDispatcher
 
-from ._kernel_files import KernelFiles
+from ._kernel_files import KernelFiles, is_kept
+from ._quicker import quicker
 
 # Releases whose inner classes are those that this file extends; for others _jit.py does without.
 KNOWN_NUMBA = {(0, 68)}
-# numba makes millions of small objects, among which Python would look for garbage: a tenth of the
-# time goes where it looks after every few thousand.
-_RARELY = 100_000
 
 
 def new_kernel(function, options: dict) -> Kernel:
@@ -46,7 +44,7 @@ class Kernel(CPUDispatcher):
 
     def compile(self, sig):
         """Load or compile what Python has called: of several processes one compiles."""
-        with global_compiler_lock, self._turn(sig), _rare_collections():
+        with global_compiler_lock, self._turn(sig), quicker():
             return super().compile(sig)
 
     def _turn(self, sig):
@@ -61,9 +59,7 @@ class Kernel(CPUDispatcher):
         """Whether there is machine code for arguments of these types, here or in the cache."""
         if args in self.overloads:
             return True
-        files = self._cache
-        key = files._index_key(args, self.targetctx.codegen())
-        return key in files._cache_file._load_index()
+        return is_kept(self._cache, args, self.targetctx.codegen())
 
     def get_call_template(self, args, kws):
         """What type inference asks of a callee; one part serves all integers that are written."""
@@ -89,19 +85,17 @@ class _Part(CPUDispatcher):
         self.overloads[tuple(cres.signature.args)] = cres
 
 
-@contextmanager
-def _rare_collections():
-    before = gc.get_threshold()
-    if before[0]:
-        gc.set_threshold(max(before[0], _RARELY), *before[1:])
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
-
-
 class _WholeLibrary(JITCodeLibrary):
-    """numba's, but the passes over single functions are made ready once and not for each."""
+    """numba's, but the passes over single functions are made ready once and not for each.
+
+    What numba has written is checked once, when it is all put together.
+    """
+
+    def add_ir_module(self, ir_module):
+        self._raise_if_finalized()
+        module = llvm.parse_assembly(cgutils.normalize_ir_text(str(ir_module)))
+        module.name = ir_module.name
+        self.add_llvm_module(module)
 
     def _optimize_functions(self, ll_module):
         ll_module.data_layout = self._codegen._data_layout

@@ -5,6 +5,7 @@ from __future__ import annotations
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.errors import TypingError
 from numba.extending import intrinsic
 
 _ALIGNMENT = 64  # bytes; Embree asks for 32 under a packet of 8
@@ -21,6 +22,40 @@ def call(typing_context, function, words):
         return context.get_dummy_value()
 
     return types.void(types.intp, types.UniTuple(types.intp, len(words))), generate
+
+
+def handing_on(numba_type):
+    """Two functions for kernels, by which one of them gives another a value of a type.
+
+    call_with(function, value): call void f(intptr_t) at an address; value_at(place): what f reads
+    """
+
+    @intrinsic
+    def call_with(typing_context, function, value):
+        if types.unliteral(value) != numba_type:
+            raise TypingError(f"{value} is handed on in place of {numba_type}")
+
+        def generate(context, builder, signature, arguments):
+            word = context.get_value_type(types.intp)
+            with builder.goto_entry_block():
+                place = builder.alloca(arguments[1].type)
+            builder.store(arguments[1], place)
+            declared = ir.FunctionType(ir.VoidType(), [word])
+            function = builder.inttoptr(arguments[0], declared.as_pointer())
+            builder.call(function, [builder.ptrtoint(place, word)])
+            return context.get_dummy_value()
+
+        return types.void(types.intp, numba_type), generate
+
+    @intrinsic
+    def value_at(typing_context, place):
+        def generate(context, builder, signature, arguments):
+            kind = context.get_value_type(numba_type)
+            return builder.load(builder.inttoptr(arguments[0], kind.as_pointer()))
+
+        return numba_type(types.intp), generate
+
+    return call_with, value_at
 
 
 @intrinsic(prefer_literal=True)

@@ -27,6 +27,7 @@ _POLL_SECONDS = 0.02
 # Of a process that takes longer nothing is expected any more: it is compiled here.
 _SECONDS = 300.0
 _running: list[subprocess.Popen] = []
+_waiting: list[int] = []  # threads
 _lock = threading.Lock()
 
 
@@ -57,7 +58,20 @@ def wait(cancelled) -> bool:
 
     Also ended by the end of the main thread: Python waits for its threads then.
     """
-    end = time.monotonic() + _SECONDS
+    end, own = time.monotonic() + _SECONDS, threading.get_ident()
+    _waiting.append(own)
+    try:
+        return _wait_until(end, cancelled)
+    finally:
+        _waiting.remove(own)
+
+
+def is_awaited() -> bool:
+    """Whether a thread waits for the other process."""
+    return bool(_waiting)
+
+
+def _wait_until(end: float, cancelled) -> bool:
     while running := list(_running):  # a copy: other threads wait too, and forget it
         if running[0].poll() is not None or time.monotonic() > end:
             _forget(running[0])

@@ -13,8 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..bsdf.lobes import Lobes
-from ..geometry.shading import ShadingPoints
 from ..products.guide import (
     GuideRoom,
     guide_of,
@@ -24,12 +22,13 @@ from ..products.guide import (
     scale_product,
     scale_products,
 )
-from ..products.like_products import build_products
 from ..products.product import Products, new_products
 from ..unit_square.sample_order import MOST_ORDERED
 from ..unit_square.sequence import PixelSequence
-from .incremental import PixelSums, RayBatch, least_count, new_rays, select_points
+from .block_views import lobes_at, points_at, sums_at
+from .incremental import RayBatch, least_count, new_rays, select_points
 from .neighbours import CELL_PX, Neighbours, fill_neighbours
+from .products_apart import build_with, builder_address
 from .scouts import ScoutRoom, mostly_hidden, new_scout_room, send_scouts
 from .stop_rule import (
     Rule,
@@ -55,6 +54,7 @@ class Room(NamedTuple):
 
     near, group: of Neighbours; slots: of fill_neighbours
     wanted, active, some, counts, used: int32 (n,); rays: without room, for take_samples
+    builder: address of what builds products, of products_apart
     """
 
     work: Work
@@ -71,10 +71,14 @@ class Room(NamedTuple):
     counts: np.ndarray
     used: np.ndarray
     rays: RayBatch
+    builder: int
 
 
-def new_room(glossy: bool, n: int = BLOCK_POINTS) -> Room:
-    """glossy: whether any of the points has a lobe beside Lambert's; n: points of a block."""
+def new_room(glossy: bool, n: int = BLOCK_POINTS, builder: int | None = None) -> Room:
+    """glossy: whether any of the points has a lobe beside Lambert's; n: points of a block.
+
+    builder: None: the address is asked for, which may compile what is there
+    """
     return Room(
         new_work(),
         new_products(n, glossy),
@@ -86,6 +90,7 @@ def new_room(glossy: bool, n: int = BLOCK_POINTS) -> Room:
         np.empty((CELL_PX + 2, CELL_PX + 2), np.int32),
         *(np.empty(n, np.int32) for _ in range(5)),
         new_rays(0),
+        builder_address() if builder is None else builder,
     )
 
 
@@ -95,67 +100,6 @@ class Places(NamedTuple):
     column: np.ndarray
     row: np.ndarray
     material: np.ndarray
-
-
-@kernel(inline="always")
-def _points_at(points, a, b):
-    return ShadingPoints(
-        points.pixel[a:b],
-        points.triangle[a:b],
-        points.position[a:b],
-        points.wo[a:b],
-        points.geometric_normal[a:b],
-        points.normal[a:b],
-        points.lift[a:b],
-        points.lift_below[a:b],
-        points.through[a:b],
-        points.passed[a:b],
-    )
-
-
-@kernel(inline="always")
-def _lobes_at(lobes, a, b):
-    return Lobes(
-        lobes.kind[a:b],
-        lobes.distribution[a:b],
-        lobes.alpha[a:b],
-        lobes.diffuse[a:b],
-        lobes.weight[a:b],
-        lobes.f0[a:b],
-        lobes.edge[a:b],
-        lobes.fresnel[a:b],
-        lobes.normal[a:b],
-        lobes.glossy_normal[a:b],
-        lobes.wo[a:b],
-        lobes.cos_o[a:b],
-        lobes.seen[a:b],
-        lobes.diffuse_share[a:b],
-        lobes.glossy_color[a:b],
-        lobes.emission[a:b],
-        lobes.smooth[a:b],
-        lobes.bump[a:b],
-        lobes.rough[a:b],
-        lobes.narrow[a:b],
-        lobes.tangent[a:b],
-        lobes.tint[a:b],
-        lobes.table[a:b],
-        lobes.tables,
-    )
-
-
-@kernel(inline="always")
-def _sums_at(sums, a, b):
-    return PixelSums(
-        sums.count[a:b],
-        sums.visible[a:b],
-        sums.diffuse[a:b],
-        sums.glossy[a:b],
-        sums.unoccluded[a:b],
-        sums.seen[a:b],
-        sums.seen_squared[a:b],
-        sums.hue[a:b],
-        sums.error[a:b],
-    )
 
 
 @kernel(inline="always")
@@ -235,11 +179,12 @@ def _continue_block(task, traversal, rule, neighbours, sums, room, stop):
 
 
 @kernel(inline="always")
-def _prepare_products(task, apart, scratch):
+def _prepare_products(task, apart, room):
     """Build the products of a block, as its guide wants them."""
     products = task.products
     n = len(task.lobes.kind)
-    build_products(task.lobes, 0, n, apart, task.light, products, scratch)
+    given = task.lobes, n, apart, task.light, products, room.work.scratch
+    build_with(room.builder, given)
     if len(task.guide.learnt) > 0 and task.guide.learnt[0] > 0:
         for p in range(n):
             if products.own[p] == p:
@@ -276,23 +221,23 @@ def continue_blocks(
     for block in range(len(bounds) - 1):
         a, b = bounds[block], bounds[block + 1]
         neighbours = Neighbours(room.near[: b - a], room.group[: b - a])
-        own = _points_at(points, a, b)
+        own = points_at(points, a, b)
         if asks_neighbours(rule):
             own_places = where.column[a:b], where.row[a:b], where.material[a:b]
             fill_neighbours(*own_places, own.normal, room.slots, neighbours)
         part = Rule(rule.kind, rule.threshold, rule.batch, rule.typical, rule.most, rule.plan[a:b])
         task = Task(
             own,
-            _lobes_at(lobes, a, b),
+            lobes_at(lobes, a, b),
             light,
             room.products,
             guide_of(guides, block),
             PixelSequence(sequence.points, sequence.x[a:b], sequence.y[a:b], sequence.scrambled),
             offset,
         )
-        _prepare_products(task, apart, room.work.scratch)
+        _prepare_products(task, apart, room)
         traced += _continue_block(
-            task, traversal, part, neighbours, _sums_at(sums, a, b), room, stop
+            task, traversal, part, neighbours, sums_at(sums, a, b), room, stop
         )
         if stop[0]:
             break

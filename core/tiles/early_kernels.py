@@ -52,12 +52,28 @@ def read_early(settings: RenderSettings, render) -> None:
     def work():
         try:
             scene = smallest_scene()
-            render(scene, own, Film(scene.camera.region))
+            film = _EndsWhereItWaits(scene.camera.region)
+            render(scene, own, film)
+            if film.has_ended:
+                render(scene, own, Film(scene.camera.region))
         except Exception:  # the render that is waited for will say it
             log.debug("kernels could not be read early", exc_info=True)
 
     # Not a daemon: while one reads machine code, the interpreter must not end.
     threading.Thread(target=work, name="iwis-early").start()
+
+
+class _EndsWhereItWaits(Film):
+    """Ends a render that waits for the second process: what develops the pixel is made meanwhile.
+
+    A pixel that is ended is developed with the samples that it has: here with none.
+    """
+
+    has_ended = False
+
+    def cancelled(self) -> bool:
+        self.has_ended |= compile_apart.is_awaited()
+        return self.has_ended
 
 
 def smallest_scene() -> Scene:

@@ -186,11 +186,11 @@ def frame_places(rect: Rect, pixel: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 @aside()
 def _add_by_products(job, seen, places, sequence, sums, bounds, rule, guides) -> int:
-    if not compile_apart.wait(job.stop.is_set):
-        return 0
     points, lobes, _ = seen
     small = int(np.diff(bounds).max(initial=0)) <= CELL_POINTS
     room = _room(bool((lobes.kind > DIFFUSE_LOBE).any()), CELL_POINTS if small else BLOCK_POINTS)
+    if not compile_apart.wait(job.stop.is_set):
+        return 0
     offset, traversal = np.float32(job.accel.offset), job.accel.traversal
     stop = job.stop.memory
     apart = apart_of(job.settings)

@@ -5,6 +5,7 @@ import threading
 import pytest
 
 from iwis.core.film import Film
+from iwis.core.machine import compile_apart
 from iwis.core.render import render
 from iwis.core.settings import PIXEL_FILTERS, STOP_RULES, RenderSettings
 from iwis.core.tiles import early_kernels
@@ -49,3 +50,46 @@ def test_what_goes_wrong_is_left_to_the_render_itself(nothing_begun):
 
     read_early(RenderSettings(), fails)
     _wait()
+
+
+def test_what_waits_for_the_other_process_is_developed_and_rendered_again(
+    nothing_begun, monkeypatch
+):
+    """So the rest is compiled meanwhile: the tile comes black at first, then with its light."""
+    told, tiles = threading.Event(), []
+
+    def wait(cancelled):
+        if not told.is_set():
+            told.set()
+            monkeypatch.setattr(compile_apart, "_waiting", [1])
+            while not cancelled():
+                pass
+            monkeypatch.setattr(compile_apart, "_waiting", [])
+            return False
+        return True
+
+    def work(scene, settings, film):
+        render(scene, settings, film)
+        tiles.append(film.layers["combined"][0, 0, 0])
+
+    monkeypatch.setattr(compile_apart, "wait", wait)
+    read_early(RenderSettings(), work)
+    _wait()
+    assert len(tiles) == 2 and tiles[0] == 0.0 < tiles[1]
+
+
+def test_threads_that_wait_are_known_of(monkeypatch):
+    asked = []
+
+    class Runs:
+        def poll(self):
+            return None
+
+    def cancelled():
+        asked.append(compile_apart.is_awaited())
+        return True
+
+    monkeypatch.setattr(compile_apart, "_running", [Runs()])
+    assert not compile_apart.is_awaited()
+    assert not compile_apart.wait(cancelled)
+    assert asked == [True] and not compile_apart.is_awaited()
