@@ -58,7 +58,8 @@ class TileOcclusion:
     def settle(self, points: ShadingPoints, lobes: Lobes, places) -> None:
         """Have the pass of points, once and for all; row k of the tile is point k."""
         if self.wanted:
-            self._open[:] = self._seen(points, lobes, places, 0, _AT_ONCE)
+            own = points.facing_viewer(), lobes, places
+            self._open[:] = self._seen(*own, 0, _AT_ONCE)
 
     def add_to_layers(self, layers, rows, place, weight) -> None:
         """Write a tile's layer. rows: of the points; place: pixels of the layer, -1 = outside;

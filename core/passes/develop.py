@@ -130,11 +130,7 @@ def develop_points(
     flat.depth[:] = NO_DEPTH
     layers["shadow_catcher"][:] = 1.0
     _write_background(scene, world, missed, flat)
-    points, place = seen.points, seen.place
-    inside = place >= 0
-    if not inside.all():
-        points, place = ShadingPoints(*(column[inside] for column in points)), place[inside]
-    _write_geometry(layers, scene, points, place)
+    _write_geometry(layers, scene, seen.points, seen.place)
     own = seen.normal, seen.lobes, sums
     _write_points(seen.place, *own, float(scene.exposure), max_samples, flat)
     return layers
@@ -204,18 +200,36 @@ def filtered_layers(
 def _write_geometry(layers, scene, points, place) -> None:
     """Depth, position and indices: of the points, whatever the pixel filter, as in Cycles.
 
-    place: int32 (n,), their pixels' rows in the layers
+    place: int32 (n,), their pixels' rows in the layers, -1 = outside
     """
-    objects = scene.mesh.object_index[points.triangle]
-    materials = scene.mesh.material_index[points.triangle]
-    values = {
-        "depth": view_depth(scene.camera, points.position)[:, None],
-        "position": points.position,
-        "object_index": scene.object_pass_index[objects][:, None],
-        "material_index": scene.material_pass_index[materials][:, None],
-    }
-    for name, value in values.items():
-        _flat(layers, name)[place] = value
+    mesh = scene.mesh
+    names = ("depth", "position", "object_index", "material_index")
+    _write_places(
+        place,
+        points.triangle,
+        points.position,
+        view_depth(scene.camera, points.position),
+        (mesh.object_index, mesh.material_index),
+        (scene.object_pass_index, scene.material_pass_index),
+        tuple(_flat(layers, name) for name in names),
+    )
+
+
+@kernel
+def _write_places(place, triangle, position, depth, of_triangles, indices, layers):
+    """of_triangles: rows of objects and materials; indices: what is written of them."""
+    objects, materials = of_triangles
+    object_index, material_index = indices
+    depths, positions, shown_objects, shown_materials = layers
+    for k in range(len(place)):
+        row, hit = place[k], triangle[k]
+        if row < 0:
+            continue
+        depths[row, 0] = depth[k]
+        for a in range(3):
+            positions[row, a] = position[k, a]
+        shown_objects[row, 0] = object_index[objects[hit]]
+        shown_materials[row, 0] = material_index[materials[hit]]
 
 
 def _divided(light, color):

@@ -218,7 +218,7 @@ class CenterTile:
         self._lamps, self._occlusion = TileLamps(*own), TileOcclusion(*own)
         self._lamps.settle(layers, where)
         first = layers[0].seen
-        self._occlusion.settle(first.points.facing_viewer(), first.lobes, where)
+        self._occlusion.settle(first.points, first.lobes, where)
 
 
 def _add_glow(places, radiance, exposure, layers) -> None:

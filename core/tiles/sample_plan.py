@@ -48,7 +48,9 @@ class Demand(NamedTuple):
 
 def dither_of(columns: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Demand.dither of pixels of the frame."""
-    return ((columns * _DITHER_X + rows * _DITHER_Y) % 1.0).astype(np.float32)
+    place = columns * _DITHER_X + rows * _DITHER_Y
+    place -= np.floor(place)  # % 1.0 takes three times as long
+    return place.astype(np.float32)
 
 
 def powers(spread: np.ndarray) -> np.ndarray:
