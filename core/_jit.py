@@ -17,7 +17,7 @@ from pathlib import Path
 import numba
 
 try:
-    from ._kernel_files import c_function
+    from ._kernel_files import c_function, compiled
     from ._parts import KNOWN_NUMBA, new_kernel
 
     _KNOWN_NUMBA = numba.version_info.short in KNOWN_NUMBA
@@ -122,7 +122,12 @@ def c_callback(signature, counts_references=True):
     if not _KNOWN_NUMBA:
         return lambda function: _kept(numba.cfunc(signature, cache=True), function)
     options = {"nopython": True, "_nrt": counts_references}
-    return lambda function: _kept(lambda wrapped: c_function(wrapped, signature, options), function)
+
+    def make(function):
+        # Compiled when other threads may import kernels again.
+        return compiled(_kept(lambda own: c_function(own, signature, options), function))
+
+    return make
 
 
 def _kept(compile_it, function):

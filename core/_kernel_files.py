@@ -142,11 +142,15 @@ def is_kept(cache, signature: tuple, codegen) -> bool:
 
 
 def c_function(function, signature, options: dict) -> ccallback.CFunc:
-    """As numba's cfunc(signature, cache=True, **options)(function): of several processes one
-    compiles."""
+    """As numba's cfunc(signature, cache=True, **options)(function), which is not compiled yet."""
     made = ccallback.CFunc(function, sigutils.normalize_signature(signature), {}, options)
     made.enable_caching()
     KernelFiles.take_over(made._cache)
+    return made
+
+
+def compiled(made: ccallback.CFunc) -> ccallback.CFunc:
+    """The same, compiled or read: of several processes one compiles."""
     codegen = made._targetdescr.target_context.codegen()
     kept = is_kept(made._cache, made._sig, codegen)
     with global_compiler_lock, nullcontext() if kept else made._cache._cache_file.turn(), quicker():

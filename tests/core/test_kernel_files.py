@@ -73,6 +73,26 @@ def test_a_callback_of_c_is_compiled_anew(folder):
     assert again.cache_hits == 1 and again.ctypes(3.0) == 1.5
 
 
+def test_a_callback_is_compiled_while_other_threads_import_kernels(folder, monkeypatch):
+    """It takes seconds, and a window's thread may be among them."""
+    found = []
+
+    def enter():
+        with _jit._FOLDER_IS_SET:
+            found.append(True)
+
+    def compiled(made):
+        other = threading.Thread(target=enter, daemon=True)
+        other.start()
+        other.join(10.0)
+        return _kernel_files.compiled(made)
+
+    monkeypatch.setattr(_jit, "compiled", compiled)
+    signature = numba.float64(numba.float64)
+    assert _jit.c_callback(signature)(lambda value: value + 1.0).ctypes(2.0) == 3.0
+    assert found
+
+
 def test_processes_that_begin_at_once_share_no_file(folder, monkeypatch):
     """Neither has seen what the other lists: each finds its own machine code, or none."""
     files = _jit.kernel(_twice)._cache._cache_file
