@@ -20,7 +20,8 @@ DATA ?=
 # Prints the environment's Python on standard output; quick when all is up to date.
 venv_python = PYTHON="$(PYTHON)" VENV="$(VENV)" scripts/venv.sh
 
-.PHONY: help render test parity whole-scenes random-scenes bench paper lint zip test-blender venv clean distclean
+.PHONY: help render test parity whole-scenes random-scenes bench paper lint zip test-blender test-blender-render \
+	test-blender-window venv clean distclean
 
 help:
 	@sed -n '1,/^$$/s/^# \{0,1\}//p' Makefile
@@ -63,11 +64,19 @@ zip:
 		$(if $(PLATFORM),--platform $(PLATFORM)) $(if $(PY),--python $(PY))
 
 # A render, and edits in the window, by a real Blender program (Debian's own; root, 1 GB) with the
-# zip installed. ARGS=--quick: fewer edits; ARGS=--measure: latencies of the rendered view instead.
+# zip installed; test-blender-render and test-blender-window are its two parts. ARGS=--quick: fewer
+# edits; ARGS=--measure: latencies of the rendered view instead.
 test-blender:
+	@$(MAKE) --no-print-directory test-blender-render
+	@$(MAKE) --no-print-directory test-blender-window
+
+test-blender-render:
 	@python="$$($(venv_python))" && "$$python" tests/real_blender/check_render.py \
-		$(if $(BLENDER),--blender "$(BLENDER)") && \
-	"$$python" tests/real_blender/check_window.py $(ARGS) $(if $(BLENDER),--blender "$(BLENDER)")
+		$(if $(BLENDER),--blender "$(BLENDER)")
+
+test-blender-window:
+	@python="$$($(venv_python))" && "$$python" tests/real_blender/check_window.py $(ARGS) \
+		$(if $(BLENDER),--blender "$(BLENDER)")
 
 venv:
 	@$(venv_python)

@@ -124,6 +124,9 @@ version() {
 }
 
 stamp="$suite with a window"
+mkdir -p "$folder"
+exec 9> "$folder/turn"
+flock 9 # who asks while another unpacks waits for it
 if [ "$(cat "$folder/suite" 2>/dev/null)" = "$stamp" ] && [ -n "$(version)" ]; then
     echo "$folder/bin/blender"
     exit 0

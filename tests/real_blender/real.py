@@ -7,7 +7,9 @@ Blender, unpacked by get_blender.sh, when none is given; the zip is the one for 
 
 import argparse
 import contextlib
+import fcntl
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -53,11 +55,18 @@ class Blender:
         return words[words.index("TAG") + 1]
 
 
-def build_zip(python_tag: str) -> Path:
-    """The zip for Linux and this Python, built by the project's own builder."""
+def build_zip(python_tag: str, folder: Path) -> Path:
+    """The zip for Linux and this Python, built by the project's own builder; a copy of it.
+
+    One check after another builds where two run side by side.
+    """
     command = [sys.executable, ROOT / "scripts" / "build_zip.py"]
-    subprocess.run([*command, "--platform", "linux-x64", "--python", python_tag], check=True)
-    return sorted((ROOT / "dist").glob(f"iwis-*-linux-x64-{python_tag}.zip"))[-1]
+    (ROOT / "dist").mkdir(exist_ok=True)
+    with open(ROOT / "dist" / "turn", "w") as turn:
+        fcntl.flock(turn, fcntl.LOCK_EX)
+        subprocess.run([*command, "--platform", "linux-x64", "--python", python_tag], check=True)
+        found = sorted((ROOT / "dist").glob(f"iwis-*-linux-x64-{python_tag}.zip"))
+        return Path(shutil.copy2(found[-1], folder))
 
 
 def install(blender: Blender, package: Path) -> None:
@@ -91,7 +100,7 @@ def installed(options):
         folder = Path(name)
         blender = Blender(program.strip(), folder / "resources")
         print(blender.run("-b", "--version").splitlines()[0])
-        package = options.zip or build_zip(blender.python_tag())
+        package = options.zip or build_zip(blender.python_tag(), folder)
         install(blender, package)
         # install-file answers 0 even when it fails
         check("IWIS" in blender.engines(), "Blender lists the engine IWIS")
