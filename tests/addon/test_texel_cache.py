@@ -142,6 +142,26 @@ def _overwrite(texels, path):
     os.replace(new, path)
 
 
+@pytest.mark.parametrize("loaded_before", [False, True])
+@pytest.mark.parametrize(("kind", "depth"), [("OPEN_EXR", "32"), ("PNG", "8")])
+def test_file_that_changes_on_disk_is_read_anew(tree, texels, tmp_path, kind, depth, loaded_before):
+    """As Cycles does, though nobody has Blender reload it; by the same job and by another."""
+    path, other = tmp_path / "map.file", tmp_path / "other.file"
+    image = save_image(texels, path, kind, depth)
+    textured_world(tree, image)
+    if loaded_before:
+        assert image.pixels[0] > 0.0
+    graph, cache = bpy.context.evaluated_depsgraph_get(), ExportCache().texels
+    first = read_world(graph, [], cache).light.radiance
+    assert image.has_data == loaded_before
+    for k in (1, 2):
+        bpy.data.images.remove(save_image(np.roll(texels, k, 1), other, kind, depth))
+        os.replace(other, path)
+        for own in (cache, ExportCache().texels):
+            now = read_world(graph, [], own).light.radiance
+            np.testing.assert_array_equal(now, np.roll(first, k, 1))
+
+
 @pytest.mark.parametrize(
     "change",
     [

@@ -18,6 +18,7 @@ import bpy
 import numpy as np
 
 from ...scratch import scratch
+from .image_files import is_outdated
 from .movies import frame_of, show_frame
 
 _WORKING_SPACE_OF_4 = "Linear Rec.709"
@@ -41,9 +42,10 @@ class ImageError(ValueError):
     """The image has no texels. The text says why and what to do."""
 
 
-def read_texels(image, image_user=None, frame: int | None = None) -> Texels:
-    """The texels of the image at the frame of its user. Raises ImageError with what to do."""
-    return read_by(texels_of, image, image_user, frame)
+def read_texels(image, image_user=None, frame: int | None = None, read=None) -> Texels:
+    """The texels of the image at the frame of its user. read: texels_of, or what makes something
+    of it. Raises ImageError with what to do."""
+    return read_by(read or texels_of, image, image_user, frame)
 
 
 def read_by(read, image, image_user, frame: int | None = None):
@@ -54,6 +56,8 @@ def read_by(read, image, image_user, frame: int | None = None):
     if image.source == "SEQUENCE" and image_user is not None and not image.packed_files:
         path = bpy.path.abspath(image.filepath_from_user(image_user=image_user))
         return _read_file(path, image.colorspace_settings.name, image.alpha_mode, read)
+    if is_outdated(image):
+        return _load(_path_of(image), image.colorspace_settings.name, image.alpha_mode, read)
     loaded = image.has_data
     try:
         if image.source == "MOVIE" and image_user is not None:

@@ -2,18 +2,16 @@
 
 Reading a map of 4096 x 2048 texels from Blender takes 0.1 to 0.4 s. Blender's own buffer of a file
 may be older than the file: so a file counts as unchanged only while it is the one that was seen
-when Blender loaded it.
+when Blender loaded it, or when it was read past that buffer.
 """
 
 from __future__ import annotations
 
 import hashlib
-import os
-
-import bpy
 
 from ..same import same
-from .image import Texels, read_texels, working_space
+from .image import Texels, read_texels, texels_of, working_space
+from .image_files import file_state, is_outdated
 from .sky import Skies
 from .texture_size import WHOLE, TextureSize, smaller_texels, smaller_tiles
 
@@ -47,7 +45,10 @@ class TexelCache:
         return texels
 
     def _read(self, image, image_user) -> Texels:
-        texels = read_texels(image, image_user, self.frame)
+        return read_texels(image, image_user, self.frame, self._smaller)
+
+    def _smaller(self, image) -> Texels:
+        texels = texels_of(image)
         plain = texels.srgb_interpolation or image.colorspace_settings.is_data
         return smaller_texels(texels, self.size, plain and not image.is_float)
 
@@ -98,21 +99,11 @@ class TexelCache:
         if image.source == "GENERATED":
             return *common, image.generated_type, *image.generated_color, *image.size
         if image.source == "SEQUENCE":
-            file = _file_state(image.filepath_from_user(image_user=image_user))
+            file = file_state(image.filepath_from_user(image_user=image_user))
         else:
-            file = _file_state(image.filepath, image.library)
+            file = file_state(image.filepath, image.library)
             if not image.has_data:
                 self._loaded_from[image.session_uid] = file
-            elif self._loaded_from.get(image.session_uid) != file:
+            elif not is_outdated(image) and self._loaded_from.get(image.session_uid) != file:
                 return None
         return None if file is None else (*common, *file)
-
-
-def _file_state(path, library=None) -> tuple | None:
-    """What changes when a file does; None without a file."""
-    path = bpy.path.abspath(path, library=library)
-    try:
-        state = os.stat(path)
-    except (OSError, ValueError):
-        return None
-    return path, state.st_ino, state.st_size, state.st_mtime_ns
