@@ -111,11 +111,14 @@ def test_alpha(
     assert_as_cycles(scene, tmp_path, slope * 2.0 * RELATIVE, quantised)
 
 
-def test_image_sequence_frame(scene, tree, texels, tmp_path):
-    """The frame of the node's image user, not the first file."""
+@pytest.mark.parametrize("packed", [False, True])
+def test_image_sequence_frame(scene, tree, texels, tmp_path, packed):
+    """The frame of the node's image user, not the first file, nor what is packed of it."""
     for frame in (1, 2, 3):
         bpy.data.images.remove(save_image(texels * frame / 3, tmp_path / f"s{frame}.png", "PNG"))
     image = bpy.data.images.load(str(tmp_path / "s1.png"))
+    if packed:
+        image.pack()
     image.source = "SEQUENCE"
     texture, _ = textured_world(tree, image)
     user = texture.image_user

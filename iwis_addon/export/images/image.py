@@ -53,9 +53,8 @@ def read_by(read, image, image_user, frame: int | None = None):
     scene, which a movie's user need not have been told; None: it has."""
     if image is None:
         raise ImageError("no image is chosen: choose one in the node, or remove the node")
-    if image.source == "SEQUENCE" and image_user is not None and not image.packed_files:
-        path = bpy.path.abspath(image.filepath_from_user(image_user=image_user))
-        return _read_file(path, image.colorspace_settings.name, image.alpha_mode, read)
+    if image.source == "SEQUENCE" and image_user is not None:
+        return _read_frame(image, image_user, read)
     if is_outdated(image):
         return _load(_path_of(image), image.colorspace_settings.name, image.alpha_mode, read)
     loaded = image.has_data
@@ -230,18 +229,25 @@ def _what_is_wrong(image) -> str:
     return f"cannot be read from {path}: the file is damaged or of an unknown kind, replace it"
 
 
-def _read_file(path, space, alpha_mode, read):
-    """read(image) of a file that has no data-block of its own, such as a frame of a sequence."""
+def _read_frame(image, image_user, read):
+    """read(data-block) of a sequence's file at the frame of its user.
+
+    What is packed of a sequence is one frame: Blender and Cycles look at the files nevertheless.
+    """
+    path = bpy.path.abspath(image.filepath_from_user(image_user=image_user))
     if not os.path.exists(path):
         raise ImageError(f"there is no file {path}: check the sequence's first frame and its path")
-    return _load(path, space, alpha_mode, read)
+    own = image.colorspace_settings.name, image.alpha_mode, read
+    return _load(path, *own, packed=bool(image.packed_files))
 
 
-def _load(path, space, alpha_mode, read):
-    """read(image) of a data-block that is there only for this."""
+def _load(path, space, alpha_mode, read, packed=False):
+    """read(image) of a data-block that is there only for this. packed: as one that is packed"""
     with scratch(bpy.data.images, bpy.data.images.load(path)) as image:
         image.colorspace_settings.name = space
         image.alpha_mode = alpha_mode
+        if packed:
+            image.pack()
         return read(image)
 
 
