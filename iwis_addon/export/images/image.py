@@ -224,6 +224,8 @@ def _what_is_wrong(image) -> str:
         return f"has no file at {path}: find it by File > External Data > Find Missing Files"
     if os.path.isdir(path):
         return f"is a folder, {path}: choose a file in it"
+    if image.type == "MULTILAYER":
+        return f"has layers, {path}, which IWIS does not read: save its picture as plain OpenEXR"
     if os.path.getsize(path) == 0:
         return f"is an empty file, {path}: copy it again"
     return f"cannot be read from {path}: the file is damaged or of an unknown kind, replace it"
