@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+
 import bpy
 
 from .. import operators
@@ -72,13 +74,25 @@ def register() -> None:
         for module in reversed(done):
             module.unregister()
         raise
+    if bpy.app.module and bpy.app.version < (5, 0):
+        atexit.register(_let_process_end)
     dependencies.warn()
 
 
 def unregister() -> None:
     """Take everything back."""
+    atexit.unregister(_let_process_end)
     for module in reversed(MODULES):
         module.unregister()
+
+
+def _let_process_end() -> None:
+    """Bpy 4.5 hangs at its process' end while an engine written in Python, anybody's, is registered
+    or a scene names it: so a script need not take IWIS back, nor catch its errors to do so."""
+    for scene in bpy.data.scenes:
+        if scene.render.engine == job.ENGINE:
+            scene.render.engine = "BLENDER_WORKBENCH"
+    unregister()
 
 
 def _other_copy() -> str:

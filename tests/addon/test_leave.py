@@ -60,3 +60,28 @@ def test_process_of_an_unsaved_picture_fails(tmp_path):
     """Whatever works or not, when it ends by itself: all that comes until then is done."""
     code, text, _seconds = _run("other", "failed", 0.0, tmp_path / "blender_abc")
     assert code == 1 and text == "the last line\n"
+
+
+NO_CAMERA = "bpy.context.scene.camera = None; bpy.ops.render.render()"
+SCRIPT_OF_BPY = """
+import bpy, iwis
+iwis.register()
+bpy.context.scene.render.engine = "IWIS"
+print("the last line", flush=True)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("ending", "code"), [("", 0), (NO_CAMERA, 1), ("iwis.unregister()", 0)])
+def test_script_ends_that_does_not_take_the_engine_back(ending, code):
+    """Blender 4.5 would wait forever: after the last line, and after an error (there is no camera);
+    what a script does take back is not taken back again."""
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT_OF_BPY + ending],
+        capture_output=True,
+        text=True,
+        timeout=LONG,
+        check=False,
+    )
+    assert done.returncode == code and "the last line" in done.stdout
+    assert code or "Traceback" not in done.stderr
