@@ -14,6 +14,8 @@ import numpy as np
 from .._jit import kernel
 from ..bsdf.lobes import Lobes
 from ..bsdf.microfacet import basis, to_world
+from ..bsdf.sheen import diffuse_colors
+from ..data.rows import any_in_row
 from ..embree.accel import Accel, start_shadow_ray
 from ..geometry.shading import ShadingPoints
 from ..scene import ROUND, Scene
@@ -78,7 +80,7 @@ class TileOcclusion:
         origins, directions = (np.zeros((n * count, 3), np.float32) for _ in range(2))
         leaves = np.zeros(n * count, np.bool_)
         offset = np.float32(self._accel.offset)
-        own = points, lobes.normal, sequence, first, count, offset
+        own = points, _normals(points, lobes), sequence, first, count, offset
         _fill_rays(*own, origins, directions, leaves)
         which = np.flatnonzero(leaves)
         reach = np.full(len(which), self._reach, np.float32)
@@ -86,6 +88,12 @@ class TileOcclusion:
         self.traced += len(which)
         leaves[which] = ~met
         return leaves.reshape(n, count).mean(axis=1)
+
+
+def _normals(points, lobes) -> np.ndarray:
+    """float32 (n, 3): of what is diffuse; bumps of gloss alone are not there, as in Cycles."""
+    bumped = any_in_row(diffuse_colors(lobes))[:, None]
+    return np.where(bumped, lobes.normal, points.normal)
 
 
 @functools.lru_cache(maxsize=4)

@@ -32,7 +32,7 @@ class TileMist:
 
 
 class TileUv:
-    """Of n pixels: where their points are on their objects' UV maps, and 1 for each of them."""
+    """Of n pixels: where their points are on their objects' UV maps, and 1 for each on one."""
 
     layer = "uv"
 
@@ -49,7 +49,7 @@ class TileUv:
         barycentric_at(own.vertices, own.triangles, faces, points.position, weights)
         mirrored = maps.mirrored[mesh.object_index[triangle]]
         interpolate(maps.corners, maps.row, triangle, mirrored, weights, uv)
-        value = np.append(uv, np.ones((len(place), 1), np.float32), axis=1)
+        value = np.append(uv, maps.row[triangle, None] >= 0, axis=1)
         np.add.at(self._sum, place, value)
 
     def values(self, rows, passes: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from ...core.data.asked_passes import AskedPasses, Matte, Mist, UvMaps, matte_id
 from ..passes import matte_layer, wanted_mattes
 from .objects.light_groups import read_groups
 from .placed.mesh import MeshExport
-from .placed.surface_data import surface_data
+from .placed.surface_data import parts_with, surface_data
 from .worlds.world import world_of
 
 # Cycles' own, of a scene without a world.
@@ -51,7 +51,10 @@ def uv_maps(geometry: MeshExport) -> UvMaps:
     if corners is None:
         none = np.full_like(found.row, -1)
         return UvMaps(none, np.zeros((0, 3, 2), np.float32), found.mirrored)
-    return UvMaps(found.row, corners, found.mirrored)
+    of_parts = parts_with(geometry.inventory, _UV)
+    mapped = np.array([of_parts[one.part] for one in geometry.inventory.instances], np.bool_)
+    row = np.where(mapped[geometry.mesh.object_index], found.row, np.int32(-1))
+    return UvMaps(row, corners, found.mirrored)
 
 
 def _mist_of(settings) -> Mist:

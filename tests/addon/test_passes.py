@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
+import iwis
 from iwis.core.film import LAYERS
 from iwis.iwis_addon.passes import DENOISING_DATA, OWN_FLAGS, TABLE
 from support.compositor import empty_tree
@@ -114,6 +115,42 @@ def test_file_has_every_pass_with_its_channels(cube_scene, tmp_path):
     assert (samples[~hit] == 0).all() and (samples[hit] > 0).all()
     seen = layers["ViewLayer.Environment" if IS_5 else "ViewLayer.Env"]
     assert (seen[~hit] == 1.0).all() and (seen[hit] == 0.0).all()
+
+
+@pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
+@pytest.mark.parametrize("metallic", [0.0, 1.0])
+def test_ambient_occlusion_has_the_normals_of_what_is_diffuse(scene, metallic, pixel_filter):
+    """As in Cycles: where there is gloss alone, its normal map says nothing, and all is open."""
+    material = bpy.data.materials.new("Tilted")
+    if not IS_5:
+        material.use_nodes = True
+    tree = material.node_tree
+    principled = tree.nodes["Principled BSDF"]
+    principled.inputs["Metallic"].default_value = metallic
+    tilt = tree.nodes.new("ShaderNodeNormalMap")
+    tilt.inputs["Color"].default_value = (0.9, 0.5, 0.7, 1.0)
+    tree.links.new(tilt.outputs["Normal"], principled.inputs["Normal"])
+    bpy.ops.mesh.primitive_plane_add(size=20.0)
+    bpy.context.object.data.materials.append(material)
+    bpy.ops.object.camera_add(location=(0.0, 0.0, 3.0))
+    scene.camera = bpy.context.object
+    scene.iwis.pixel_filter = pixel_filter
+    scene.view_layers[0].use_pass_ambient_occlusion = True
+    seen = iwis.render(scene)["ambient_occlusion"]
+    assert (seen == 1.0).all() if metallic else 0.5 < seen.mean() < 0.95
+
+
+def test_the_pass_uv_tells_what_has_a_map(cube_scene):
+    """1 on the cube, 0 on a floor without one, as in Cycles, whether or not others have one."""
+    cube_scene.view_layers[0].use_pass_uv = True
+    cube_scene.iwis.pixel_filter = "CENTER"
+    bpy.ops.mesh.primitive_plane_add(size=40.0, calc_uvs=False, location=(0.0, 0.0, -1.5))
+    bpy.context.object.pass_index = 7
+    layers = iwis.render(cube_scene)
+    shown = layers["uv"][..., 2]
+    bare = layers["object_index"][..., 0] == 7.0
+    assert bare.any() and not shown[bare].any()
+    assert shown[shown.shape[0] // 2, shown.shape[1] // 2] == 1.0
 
 
 @pytest.mark.slow

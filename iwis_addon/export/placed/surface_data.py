@@ -129,6 +129,12 @@ def _reader_of(source, local):
     return MeshReader(source, local.corners)
 
 
+def parts_with(inventory: Inventory, name: str) -> np.ndarray:
+    """bool (n,): which parts have something of a name of tables, which is read."""
+    parts = zip(inventory.sources, inventory.parts, strict=True)
+    return np.array([_reader_of(*own).read(name) is not None for own in parts], np.bool_)
+
+
 def _object_values(inventory, name) -> np.ndarray:
     """float32 (n, 4), by instance. name: a kind of table and what it is to find"""
     kind, _, own = name.partition(":")
