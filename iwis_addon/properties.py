@@ -213,7 +213,8 @@ class IWISViewLayerProperties(bpy.types.PropertyGroup):
     )
     use_pass_shadow_catcher: BoolProperty(
         name="Shadow Catcher",
-        description="Part of the light on shadow catchers that other objects let through",
+        description="Part of the light on shadow catchers that other objects let through; "
+        "the picture then has a hole in their place",
         default=False,
         update=_update_passes,
     )

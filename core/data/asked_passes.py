@@ -63,7 +63,8 @@ class LightGroups(NamedTuple):
 class AskedPasses(NamedTuple):
     """occlusion_distance: metres that rays of the ambient-occlusion pass go, 0 = it is not wanted;
     mist, uv: None = they are not wanted either; mattes: the kinds of Cryptomatte
-    that are wanted; groups: of lights, none = they are not wanted; roughness: whether it is."""
+    that are wanted; groups: of lights, none = they are not wanted; roughness, catcher: whether they
+    are, Combined then has no shadow catchers."""
 
     occlusion_distance: float = 0.0
     mist: Mist | None = None
@@ -71,6 +72,7 @@ class AskedPasses(NamedTuple):
     mattes: tuple[Matte, ...] = ()
     groups: LightGroups = LightGroups()
     roughness: bool = False
+    catcher: bool = False
 
 
 NO_PASSES = AskedPasses()

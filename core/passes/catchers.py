@@ -6,9 +6,15 @@ its colours, as Cycles' does. In a transparent film it is black with the opacity
 made of says only how light from different sides counts. A holdout is black, with the opacity of
 what its ray has gone through, in any film; but beside a catcher, in an opaque film, all is opaque,
 as in Cycles.
+
+Passes of what a surface is made of have a catcher as any other; so has Environment, in an opaque
+film, the world that it shows. Where the pass Shadow Catcher is asked for, that alone has the
+shadow, and the picture a hole, in any film: to be laid over a photograph times the pass.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,9 +22,12 @@ from ..data.channels import LUMINANCE
 from ..geometry.shading import ShadingPoints
 from ..sampling.incremental import PixelSums
 from ..scene import HOLDOUT, SHADOW_CATCHER, Scene
-from ..see_through.cutouts import in_holes, opacity_of
+from ..see_through.cutouts import hole_shares, in_holes, opacity_of
 from ..surfaces.backdrop import Backdrop
 from .pass_sums import PassSums, add_background, add_seen, new_pass_sums
+
+_ALL = np.float32(0.9999)
+_DIRECT = {"diffuse_color": "diffuse_direct", "glossy_color": "glossy_direct"}
 
 
 def has_role(scene: Scene, role: int) -> bool:
@@ -34,6 +43,14 @@ def plays(scene: Scene, points: ShadingPoints, role: int) -> np.ndarray:
     return found | in_holes(scene, points) if role == HOLDOUT else found
 
 
+def are_whole_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
+    """bool (n,): the points on HOLDOUT objects and on what a Holdout shader alone stops."""
+    found = hole_shares(scene, points) > _ALL
+    if has_role(scene, HOLDOUT):
+        found |= (scene.object_flags[scene.mesh.object_index[points.triangle]] & HOLDOUT) != 0
+    return found
+
+
 def arriving(seen: np.ndarray, whole: np.ndarray) -> np.ndarray:
     """s: float64, 0 to 1, of light with and without the other objects, (n, 3); 1 of none."""
     share = np.divide(seen, whole, out=np.ones(seen.shape), where=whole > 0.0)
@@ -46,12 +63,18 @@ class CaughtPasses:
     def __init__(self, n: int):
         self._sums = new_pass_sums(n)
 
-    def add(self, scene: Scene, world: Backdrop, seen, sums: PixelSums, state: PassSums) -> None:
-        """Add passes. seen, sums: of points on catchers; state: learns how noisy the pixels are."""
+    def add(
+        self, scene: Scene, world: Backdrop, seen, normal, sums: PixelSums, state: PassSums
+    ) -> None:
+        """Add passes.
+
+        seen, sums: of points on catchers; normal: float32 (n, 3), for the pass of that name
+        state: learns how noisy the pixels are
+        """
         points = seen.points
         behind = world.radiance(-points.wo) * points.through
         behind *= np.float32(scene.environment.visible_to_camera)
-        add_seen(points.pixel, points.normal, seen.lobes, sums, self._sums)
+        add_seen(points.pixel, normal, seen.lobes, sums, self._sums)
         add_background(points.pixel, behind, False, self._sums)
         np.add.at(self._sums.opaque, points.pixel, opacity_of(points.through))
         if scene.transparent_film:
@@ -70,33 +93,72 @@ class CaughtPasses:
         behind = sums.environment[rows] / passes * scene.exposure
         opaque = sums.opaque[rows] / passes[:, 0]
         _write(scene, layers, slice(None), share, behind, hits / passes, opaque)
-        if not scene.transparent_film:
+        for name in ("normal", "diffuse_color", "glossy_color"):
+            _add_to_layer(layers, name, getattr(sums, name)[rows] / passes)
+        if not (scene.transparent_film or scene.asked.catcher):
             layers["combined"][..., 3] = 1.0
 
 
-def show_caught(
-    scene: Scene, world: Backdrop, points: ShadingPoints, place, sums: PixelSums, layers: dict
-) -> None:
-    """Overwrite what a picture of one point a pixel shows of catchers and holdouts.
+def _add_to_layer(layers, name, own) -> None:
+    """Add to a layer of what surfaces are made of; direct light is that over the color's sum."""
+    flat = layers[name].reshape(-1, 3)
+    direct = _DIRECT.get(name)
+    if direct is not None:
+        part = np.divide(flat, flat + own, out=np.zeros_like(flat), where=flat > 0.0)
+        layers[direct].reshape(-1, 3)[:] *= part
+    flat += own
 
-    place: int (n,), pixels of the layers, -1 = outside; sums: of the points
+
+class Roles(NamedTuple):
+    """Of points whose pixels are shown: int (k,), those on catchers, and those on holdouts."""
+
+    caught: np.ndarray
+    hidden: np.ndarray
+
+
+def hide_roles(roles: Roles, points: ShadingPoints, place, layers: dict) -> None:
+    """Take out what a picture of one point a pixel shows of catchers and holdouts.
+
+    place: int (n,), pixels of the layers, -1 = outside
     """
-    caught = np.flatnonzero(plays(scene, points, SHADOW_CATCHER) & (place >= 0))
-    hidden = np.flatnonzero(plays(scene, points, HOLDOUT) & (place >= 0))
-    if not len(caught) and not len(hidden):
-        return
-    for rows in (caught, hidden):
+    for name in ("normal", "diffuse_color", "glossy_color"):
+        layers[name].reshape(-1, 3)[place[roles.hidden]] = 0.0
+    for rows in roles:
         for name in ("combined", "diffuse_direct", "glossy_direct", "emission"):
             flat = layers[name].reshape(-1, layers[name].shape[2])
             flat[place[rows]] = 0.0
-    panes = np.maximum(opacity_of(points.through), 0.0)  # what they have taken of the light
-    layers["combined"].reshape(-1, 4)[place[hidden], 3] = panes[hidden]
+    combined = layers["combined"].reshape(-1, 4)
+    combined[place[roles.hidden], 3] = _panes(points)[roles.hidden]
+
+
+def _panes(points: ShadingPoints) -> np.ndarray:
+    """float32 (n,): what panes before them have taken of the light."""
+    return np.maximum(opacity_of(points.through), 0.0)
+
+
+def show_caught(
+    scene: Scene,
+    world: Backdrop,
+    roles: Roles,
+    points: ShadingPoints,
+    place,
+    sums: PixelSums,
+    layers: dict,
+) -> None:
+    """Show catchers in layers where they are hidden, and what else they change.
+
+    place: as of hide_roles; sums: of the points
+    """
+    caught, panes = roles.caught, _panes(points)
+    if not len(caught) and not len(roles.hidden):
+        return
     share = arriving((sums.diffuse + sums.glossy)[caught], sums.unoccluded[caught])
     behind = world.radiance(-points.wo[caught]) * points.through[caught] * scene.exposure
     behind = behind * np.float32(scene.environment.visible_to_camera)
     _write(scene, layers, place[caught], share, behind, np.ones((len(caught), 1)), panes[caught])
-    if not scene.transparent_film and has_role(scene, SHADOW_CATCHER):
-        for rows in (caught, hidden):
+    opaque = not (scene.transparent_film or scene.asked.catcher)
+    if opaque and has_role(scene, SHADOW_CATCHER):
+        for rows in roles:
             layers["combined"].reshape(-1, 4)[place[rows], 3] = 1.0
 
 
@@ -105,6 +167,11 @@ def _write(scene, layers, where, share, behind, part, opaque) -> None:
 
     opaque: of the pixels, what panes before the catchers have taken of the light
     """
+    layers["shadow_catcher"].reshape(-1, 3)[where] = share
+    if not scene.transparent_film:
+        layers["environment"].reshape(-1, 3)[where] += behind
+    if scene.asked.catcher:
+        return
     combined = layers["combined"].reshape(-1, 4)
     gray = share.mean(axis=1)
     if scene.transparent_film:
@@ -112,4 +179,3 @@ def _write(scene, layers, where, share, behind, part, opaque) -> None:
     else:
         combined[where, :3] += behind * gray[:, None]
         combined[where, 3] += part[:, 0]
-    layers["shadow_catcher"].reshape(-1, 3)[where] = 1.0 + part * (share - 1.0)

@@ -18,6 +18,7 @@ from ..sampling.incremental import PixelSums
 from ..scene import Scene
 from ..see_through.cutouts import opacity_of
 from ..surfaces.backdrop import Backdrop
+from .catchers import are_whole_holes
 from .pass_sums import PassSums
 
 
@@ -200,9 +201,11 @@ def filtered_layers(
 def _write_geometry(layers, scene, points, place) -> None:
     """Depth, position and indices: of the points, whatever the pixel filter, as in Cycles.
 
+    Holdouts have none, as what is behind all.
     place: int32 (n,), their pixels' rows in the layers, -1 = outside
     """
     mesh = scene.mesh
+    place = np.where(are_whole_holes(scene, points), np.int32(-1), place)
     names = ("depth", "position", "object_index", "material_index")
     _write_places(
         place,

@@ -107,7 +107,16 @@ def share_of(color: np.ndarray) -> np.ndarray:
 
 def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
     """bool (n,): where a Holdout shader was drawn, by its share of what has stopped the ray."""
-    out = np.zeros(len(points.pixel), np.bool_)
+    share = hole_shares(scene, points)
+    if not share.any():
+        return np.zeros(len(share), np.bool_)
+    x, y = (np.ascontiguousarray(points.position[:, axis]) for axis in (0, 1))
+    return drawn_numbers(x, y, points.wo) < share
+
+
+def hole_shares(scene: Scene, points: ShadingPoints) -> np.ndarray:
+    """float32 (n,): the share of Holdout shaders in what has stopped the rays."""
+    out = np.zeros(len(points.pixel), np.float32)
     programs = () if scene.shaders is None else scene.shaders.programs
     holes = [(k, p) for k, p in enumerate(programs) if p is not None and p.holdout is not None]
     if not holes:
@@ -123,8 +132,7 @@ def in_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
         share = row_means(evaluation.vector(program.holdout))
         if program.transparent is not None:
             share = share / np.maximum(1.0 - going_share(program, evaluation), 1e-6)
-        x, y = (np.ascontiguousarray(some.position[:, axis]) for axis in (0, 1))
-        out[which] = drawn_numbers(x, y, some.wo) < share
+        out[which] = share
     return out
 
 

@@ -12,7 +12,7 @@ from ..data.rows import any_in_row
 from ..film import Tile
 from ..lamplight.lamp_glow import lamp_glow, shown_lamps
 from ..passes.ambient_occlusion import TileOcclusion
-from ..passes.catchers import plays, show_caught
+from ..passes.catchers import Roles, hide_roles, plays, show_caught
 from ..passes.develop import MissedRays, PlacedPoints, develop_points
 from ..passes.light_groups import TileGroups
 from ..passes.surface_passes import SurfacePasses
@@ -109,14 +109,17 @@ class CenterTile:
             self.rect[2:],
             self._job.settings.max_samples,
         )
-        caught = plays(scene, points, SHADOW_CATCHER)
-        shown = ~(caught | plays(scene, points, HOLDOUT))
-        sums = self._with_lamps(np.flatnonzero(caught), points, sums)
-        show_caught(scene, self._job.seen_world, points, self._places, sums, layers)
+        caught, hidden = (plays(scene, points, role) for role in (SHADOW_CATCHER, HOLDOUT))
+        shown, inside = ~(caught | hidden), self._places >= 0
+        roles = Roles(*(np.flatnonzero(own & inside) for own in (caught, hidden)))
+        hide_roles(roles, points, self._places, layers)
         self._write_groups(points, np.where(shown, self._places, -1), seen.lobes.emission, layers)
+        sums = self._with_lamps(np.flatnonzero(caught), points, sums)
+        show_caught(scene, self._job.seen_world, roles, points, self._places, sums, layers)
         exposure = np.where(shown, float(scene.exposure), 0.0)
         self._lamps.add_to_layers(layers, slice(None), self._places, exposure)
-        self._occlusion.add_to_layers(layers, slice(None), self._places, shown.astype(float))
+        whole = (shown | caught).astype(float)
+        self._occlusion.add_to_layers(layers, slice(None), self._places, whole)
         if self._glow is not None:
             _add_glow(*self._glow, float(scene.exposure), layers)
         self._write_surfaces(points, layers)

@@ -107,14 +107,19 @@ class PassSampler:
         self.lamps.add_pass(layers, places, number, sums)
         self.groups.add_emission(points, points.pixel, seen.lobes.emission)
         self.occlusion.add_pass(points, seen.lobes, places, number)
-        normal = shown_normals(layers) if self._turned else points.normal
+        normal = self._shown_normals(layers, seen)
         add_seen(points.pixel, normal, seen.lobes, sums, self._state)
 
     def _add_caught(self, layers, sums, number, accel) -> None:
         seen, sums = merge_layers(layers, sums)
         places = frame_places(self._around, seen.points.pixel)
         sums = self.lamps.caught(layers, places, number, accel, sums)
-        self._caught.add(self._job.scene, self._job.seen_world, seen, sums, self._state)
+        self.occlusion.add_pass(seen.points, seen.lobes, places, number)
+        own = seen, self._shown_normals(layers, seen), sums, self._state
+        self._caught.add(self._job.scene, self._job.seen_world, *own)
+
+    def _shown_normals(self, layers, seen) -> np.ndarray:
+        return shown_normals(layers) if self._turned else seen.points.normal
 
     def _sample(self, job: Job, layers, number) -> list[PixelSums]:
         """The samples of each point, shared among its closures."""

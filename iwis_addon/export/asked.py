@@ -34,7 +34,8 @@ def read_asked(depsgraph, geometry: MeshExport) -> AskedPasses:
     mattes = tuple(_matte(kind, levels, geometry) for kind in wanted_mattes(layer))
     every = [look.asked for look in geometry.inventory.looks]
     groups = read_groups(every, world, geometry.inventory.layer, geometry.inventory.groups)
-    return AskedPasses(occlusion, mist, uv, mattes, groups)
+    catcher = layer.iwis.use_pass_shadow_catcher
+    return AskedPasses(occlusion, mist, uv, mattes, groups, catcher=catcher)
 
 
 def occlusion_distance(depsgraph) -> float:

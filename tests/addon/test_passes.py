@@ -153,6 +153,16 @@ def test_the_pass_uv_tells_what_has_a_map(cube_scene):
     assert shown[shown.shape[0] // 2, shown.shape[1] // 2] == 1.0
 
 
+@pytest.mark.parametrize("asked", [False, True])
+def test_with_the_pass_shadow_catcher_the_picture_has_none(cube_scene, asked):
+    """As in Cycles: who composites by the pass would have the shadow twice."""
+    cube_scene.objects["Cube"].is_shadow_catcher = True
+    cube_scene.view_layers[0].iwis.use_pass_shadow_catcher = asked
+    alpha = iwis.render(cube_scene)["combined"][..., 3]
+    middle = alpha[alpha.shape[0] // 2, alpha.shape[1] // 2]
+    assert middle == (0.0 if asked else 1.0) and alpha[0, 0] == 1.0
+
+
 @pytest.mark.slow
 def test_ambient_occlusion_is_that_of_cycles(cube_scene, tmp_path):
     """A cube on a floor, rays of 1.5 m: 3 by 3 pixels agree to .1, all of them to .01.

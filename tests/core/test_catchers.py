@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from iwis.core.data.asked_passes import AskedPasses
 from iwis.core.data.lamps import NO_LAMPS, SPHERE, make_lamps
 from iwis.core.lamplight.emitters import with_emitters
 from iwis.core.scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS
@@ -103,6 +104,64 @@ def test_catcher_shows_the_shadow_of_a_lamp(pixel_filter, lamp):
     np.testing.assert_allclose(seen, np.repeat(0.1 * gray, 3, axis=1), rtol=1e-5)
 
 
+@FILTERS
+def test_passes_have_a_catcher_as_any_other_surface(pixel_filter):
+    """What it is made of, what is around it, and the world that it shows, as in Cycles."""
+    asked = AskedPasses(occlusion_distance=1.0)
+    plain = _render(dataclasses.replace(_scene(0, gradient_world()), asked=asked), pixel_filter)
+    scene = dataclasses.replace(_scene(SHADOW_CATCHER, gradient_world()), asked=asked)
+    caught = _render(scene, pixel_filter)
+    film = _render(dataclasses.replace(scene, transparent_film=True), pixel_filter)
+    for name in ("normal", "diffuse_color", "glossy_color", "ambient_occlusion"):
+        # Sums of the same passes in another order; FIXED has as many in both.
+        np.testing.assert_allclose(caught[name], plain[name], atol=1e-5, err_msg=name)
+        np.testing.assert_allclose(film[name], plain[name], atol=1e-5, err_msg=name)
+    assert caught["ambient_occlusion"].min() < 0.7 and caught["ambient_occlusion"].max() == 1.0
+    on_floor = (film["combined"][..., :3] == 0.0).all(axis=2)
+    bare = dataclasses.replace(scene, object_flags=np.uint8([0, 0]), asked=AskedPasses())
+    behind = _render(bare, pixel_filter)["environment"]
+    np.testing.assert_allclose(caught["environment"][on_floor], behind[on_floor], rtol=1e-4)
+    assert behind[on_floor].min() > 0.0 and not film["environment"].any()
+    assert not caught["diffuse_direct"][on_floor].any()
+
+
+def test_direct_light_is_divided_by_all_of_a_pixels_color():
+    """At the edge of what stands on a catcher too: light times color is what the picture has."""
+    film = _render(_scene(SHADOW_CATCHER, transparent=True))
+    light = film["diffuse_direct"] * film["diffuse_color"]
+    np.testing.assert_allclose(light, film["combined"][..., :3], atol=1e-5)
+    assert len(np.unique(np.round(film["diffuse_direct"][..., 0], 2))) > 5
+
+
+@FILTERS
+@pytest.mark.parametrize("transparent", [False, True])
+def test_with_the_pass_the_picture_has_a_hole_for_the_catcher(pixel_filter, transparent):
+    """As in Cycles, in either film; the pass, and what stands on the catcher, stay as they were."""
+    scene = _scene(SHADOW_CATCHER, transparent=transparent)
+    usual = _render(scene, pixel_filter)
+    asked = _render(dataclasses.replace(scene, asked=AskedPasses(catcher=True)), pixel_filter)
+    np.testing.assert_array_equal(asked["shadow_catcher"], usual["shadow_catcher"])
+    film = _render(_scene(SHADOW_CATCHER, transparent=True), pixel_filter)["combined"]
+    on_floor = (film[..., :3] == 0.0).all(axis=2)
+    assert 30 < on_floor.sum() < on_floor.size and usual["combined"][on_floor, 3].max() > 0.2
+    assert not asked["combined"][on_floor].any()
+    whole = film[..., 3] == 1.0
+    np.testing.assert_array_equal(asked["combined"][whole], usual["combined"][whole])
+
+
+@FILTERS
+def test_picture_over_the_world_times_the_pass_is_the_usual_one(pixel_filter):
+    """At edges too: there the pass is the share of the catcher alone, as in Cycles."""
+    usual = _render(_scene(SHADOW_CATCHER), pixel_filter)["combined"]
+    asked = dataclasses.replace(_scene(SHADOW_CATCHER), asked=AskedPasses(catcher=True))
+    layers = _render(asked, pixel_filter)
+    hole = 1.0 - layers["combined"][..., 3:]
+    assert pixel_filter == "CENTER" or ((hole > 0.1) & (hole < 0.9)).sum() > 10
+    behind = layers["shadow_catcher"].mean(axis=2, keepdims=True)  # the world is 1 all round
+    whole = layers["combined"][..., :3] + hole * behind
+    np.testing.assert_allclose(whole, usual[..., :3], atol=1e-5)
+
+
 def test_catchers_throw_no_shadow_on_each_other():
     """A wall on a floor, both catchers: nothing is to be seen of them."""
     scene = _scene(SHADOW_CATCHER)
@@ -123,6 +182,20 @@ def test_holdout_is_a_hole(pixel_filter, transparent):
     whole = (plain[..., 3] == 1.0) & (hole[..., 3] == 1.0) & ~gone
     if pixel_filter == "CENTER":
         np.testing.assert_allclose(hole[whole], plain[whole], rtol=1e-5)
+
+
+@FILTERS
+def test_passes_have_nothing_of_a_hole(pixel_filter):
+    """As in Cycles: holdouts have no depth, place, number, normal and color."""
+    scene = dataclasses.replace(_scene(HOLDOUT), object_pass_index=np.float32([3.0, 4.0]))
+    layers = _render(scene, pixel_filter)
+    hole = (layers["combined"] == 0.0).all(axis=2)
+    assert 30 < hole.sum() < hole.size
+    for name in ("position", "object_index", "normal", "diffuse_color", "ambient_occlusion"):
+        assert not layers[name][hole].any(), name
+    assert (layers["depth"][hole] >= 1e9).all()
+    box = layers["combined"][..., 3] == 1.0
+    assert (layers["object_index"][box] == 4.0).all() and (layers["depth"][box] < 9.0).all()
 
 
 @FILTERS
