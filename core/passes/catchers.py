@@ -115,12 +115,18 @@ class Roles(NamedTuple):
     caught: np.ndarray
     hidden: np.ndarray
 
+    @property
+    def any(self) -> bool:
+        return bool(len(self.caught) or len(self.hidden))
+
 
 def hide_roles(roles: Roles, points: ShadingPoints, place, layers: dict) -> None:
     """Take out what a picture of one point a pixel shows of catchers and holdouts.
 
     place: int (n,), pixels of the layers, -1 = outside
     """
+    if not roles.any:
+        return
     for name in ("normal", "diffuse_color", "glossy_color"):
         layers[name].reshape(-1, 3)[place[roles.hidden]] = 0.0
     for rows in roles:
@@ -149,9 +155,9 @@ def show_caught(
 
     place: as of hide_roles; sums: of the points
     """
-    caught, panes = roles.caught, _panes(points)
-    if not len(caught) and not len(roles.hidden):
+    if not roles.any:
         return
+    caught, panes = roles.caught, _panes(points)
     share = arriving((sums.diffuse + sums.glossy)[caught], sums.unoccluded[caught])
     behind = world.radiance(-points.wo[caught]) * points.through[caught] * scene.exposure
     behind = behind * np.float32(scene.environment.visible_to_camera)

@@ -205,7 +205,9 @@ def _write_geometry(layers, scene, points, place) -> None:
     place: int32 (n,), their pixels' rows in the layers, -1 = outside
     """
     mesh = scene.mesh
-    place = np.where(are_whole_holes(scene, points), np.int32(-1), place)
+    holes = are_whole_holes(scene, points)
+    if holes.any():
+        place = np.where(holes, np.int32(-1), place)
     names = ("depth", "position", "object_index", "material_index")
     _write_places(
         place,

@@ -34,7 +34,8 @@ def read_asked(depsgraph, geometry: MeshExport) -> AskedPasses:
     mattes = tuple(_matte(kind, levels, geometry) for kind in wanted_mattes(layer))
     every = [look.asked for look in geometry.inventory.looks]
     groups = read_groups(every, world, geometry.inventory.layer, geometry.inventory.groups)
-    catcher = layer.iwis.use_pass_shadow_catcher
+    own = getattr(layer, "iwis", None)  # none where scripts export without the engine
+    catcher = own is not None and own.use_pass_shadow_catcher
     return AskedPasses(occlusion, mist, uv, mattes, groups, catcher=catcher)
 
 
