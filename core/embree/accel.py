@@ -1,8 +1,8 @@
 """Rays against triangles: the nearest hit, and whether there is any.
 
 Embree is called directly (embree.py, embree_rays.py); where its library is not found, embreex's
-Python layer stands in for it. Embree knows float32 only, and rays have no near distance here:
-origins are moved off the surface in this file and nowhere else.
+Python layer stands in for it. Embree knows float32 only: shadow rays start off their surface, and
+origins are moved in this file and nowhere else. Looks go on behind what they have met (Gone).
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from ..geometry.terminator import lift_share
 from ..machine.turns import aside
 from ..machine.watch import Cancelled
 from ..scene import TriangleMesh
-from .embree import EmbreeScene
-from .embree_filter import Opacity, ShadowFilter
-from .embree_hits import intersect_block
+from .embree import EmbreeScene, can_filter
+from .embree_filter import LookFilter, Opacity, ShadowFilter
+from .embree_hits import Gone, begin_rays, intersect_block
 from .embree_rays import ALL_COLORS, NOTHING, Traversal, occluded_block, occluded_within
 from .triangle_pairs import Pairs, count_as_triangles, paired
 
@@ -43,6 +43,7 @@ class Accel:
 
     by_rays = False
     copies = None  # of Scene.copies, where it knows them
+    _goes_on = False
 
     def __init__(self, mesh: TriangleMesh, cancelled=lambda: False, opacity: Opacity | None = None):
         """Build it, on all processors. Raises Cancelled soon after ``cancelled`` says so.
@@ -66,7 +67,7 @@ class Accel:
     def _new_scene(self) -> EmbreeScene:
         vertices, triangles = self.mesh.vertices, self.mesh.triangles
         if self.opacity is not None:  # its filter asks for triangles, and is asked once a surface
-            return EmbreeScene(vertices, triangles, ShadowFilter(self.opacity))
+            return EmbreeScene(vertices, triangles, self.own_filter)
         if np.isfinite(vertices).all():  # a corner that is nowhere would take its whole quad
             self.pairs = paired(triangles)
         faces = triangles if self.pairs is None else self.pairs.corners
@@ -77,14 +78,38 @@ class Accel:
         """The hierarchy; None where there is no triangle, or embreex stands in."""
         return self._scene if isinstance(self._scene, EmbreeScene) else None
 
-    def intersect(self, origins: np.ndarray, directions: np.ndarray, slots=None):
+    def intersect(
+        self, origins: np.ndarray, directions: np.ndarray, slots=None, gone: Gone | None = None
+    ):
         """The nearest hits: (triangle int32 (n,), MISS where none; u, v float32 (n,)).
 
         origins, directions: float32 (n, 3), world space. u and v weigh the triangle's second and
         third corner. slots: of these rays; None: what is said of triangles of copies holds until
-        the thread's next question
+        the thread's next question. gone: behind which they are, and gets how far they are; None:
+        rays begin
         """
-        return self.as_triangles(*nearest_hits(self.looks, origins, directions), slots)
+        return self.as_triangles(*nearest_hits(self.looks, origins, directions, gone), slots)
+
+    @property
+    def own_filter(self) -> LookFilter | None:
+        """What its hierarchies are to ask."""
+        if self.opacity is not None:
+            return ShadowFilter(self.opacity)
+        return LookFilter() if self._goes_on else None
+
+    @property
+    def _hierarchies(self) -> list[EmbreeScene]:
+        """Of triangles, as Embree has them."""
+        return [] if self.scene is None else [self.scene]
+
+    def go_on(self) -> None:
+        """Have looks that go on behind a face meet what lies in its plane: they are a bit slower.
+
+        Before it is asked for anything.
+        """
+        self._goes_on = True
+        for scene in self._hierarchies if can_filter() else ():
+            scene.go_on()
 
     def slots(self, n: int) -> np.ndarray | None:
         """int32 (n,), a row of the scene's tables for each of n rays (CopiedRows); None: they need
@@ -154,12 +179,15 @@ def to_triangles(pairs: Pairs | None, hit: np.ndarray, u: np.ndarray, v: np.ndar
 
 
 @aside()
-def nearest_hits(traversal: Traversal, origins: np.ndarray, directions: np.ndarray):
+def nearest_hits(
+    traversal: Traversal, origins: np.ndarray, directions: np.ndarray, gone: Gone | None = None
+):
     """Embree's own (face, u, v) of the nearest hits, and the instance's number, int32 (n,)."""
     n = len(origins)
+    gone = begin_rays(n) if gone is None else gone
     triangle, instance = np.empty(n, np.int32), np.empty(n, np.int32)
     u, v = np.empty(n, np.float32), np.empty(n, np.float32)
-    intersect_block(traversal, origins, directions, triangle, instance, u, v)
+    intersect_block(traversal, origins, directions, gone, triangle, instance, u, v)
     return triangle, u, v, instance
 
 
@@ -200,8 +228,14 @@ class EmbreexScene:
 
     def _intersect(self, place: int) -> None:
         ray = _numbers_at(place, 18, 1)
-        found = self._scene.run(ray[:3].T, ray[4:7].T, query="INTERSECT", output=True)
+        origin, near = ray[:3].T, float(ray[3, 0])
+        if near > 0.0:  # embreex knows no such distance
+            origin = origin + near * ray[4:7].T
+            near += ray_offset(origin)
+            origin = ray[:3].T + np.float32(near) * ray[4:7].T
+        found = self._scene.run(origin, ray[4:7].T, query="INTERSECT", output=True)
         ray[15], ray[16], ray.view(np.int32)[17] = found["u"], found["v"], found["primID"]
+        ray[8] = near + found["tfar"]
 
 
 def _numbers_at(place: int, rows: int, width: int) -> np.ndarray:

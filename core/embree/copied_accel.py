@@ -142,6 +142,10 @@ class CopiedAccel(Accel):
         self._rows, self._begin = np.concatenate(self._rows), np.array(self._begin, np.int32)
         self._pairs = None
 
+    @property
+    def _hierarchies(self) -> list[EmbreeScene]:
+        return self._parts
+
     def with_rows(self, table: CopiedRows) -> CopiedAccel:
         """The same, that writes hits on copies to a table."""
         other = copy.copy(self)

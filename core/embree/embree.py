@@ -17,7 +17,7 @@ import numba
 import numpy as np
 
 from .._jit import c_callback
-from .embree_filter import GroupFilter, ShadowFilter
+from .embree_filter import LookFilter
 from .embree_rays import Traversal
 
 # How soon a build hears of a cancel. Embree asks several thousand times a build.
@@ -125,7 +125,7 @@ class EmbreeScene:
         self,
         vertices: np.ndarray,
         faces: np.ndarray,
-        shadow_filter: ShadowFilter | None = None,
+        own_filter: LookFilter | None = None,
         beside: EmbreeScene | None = None,
         aside: float = 0.0,
     ):
@@ -134,7 +134,7 @@ class EmbreeScene:
         vertices: float32 (n, 3), or (k, n, 3), where they are at k evenly spaced times from 0 to 1
         faces: triangles, int32 (m, 3), or quads, int32 (m, 4), as Embree knows them: hits tell of
             these (triangle_pairs.py)
-        shadow_filter: which hits of shadow rays count; the camera's rays are not asked
+        own_filter: which hits count; None: all
         beside: a scene whose device it shares, so that both can be parts of one more
         aside: of Traversal; 0: no ray slips through an edge
         Both arrays are read in place. Faces with a corner that is not finite are never hit.
@@ -143,7 +143,7 @@ class EmbreeScene:
         self.handle = self.device = None
         self._library = load_library()
         self._arrays = _readable(vertices), faces  # Embree reads them, and owns nothing
-        self._filter, self._aside = shadow_filter, aside
+        self._filter, self._aside = own_filter, aside
         # Not "threads=N": it would bind all users of TBB in the process, Blender's too.
         if beside is None:
             self.device = self._library.rtcNewDevice(b"")
@@ -175,20 +175,25 @@ class EmbreeScene:
         library.rtcAttachGeometry(self.handle, geometry)
         library.rtcReleaseGeometry(geometry)  # the scene keeps it
 
-    def _ask(self, geometry, own: ShadowFilter | GroupFilter | None) -> None:
+    def _ask(self, geometry, own: LookFilter | None) -> None:
         library = self._library
         library.rtcSetGeometryUserData(geometry, own and own.data)
         library.rtcSetGeometryOccludedFilterFunction(geometry, own and own.function)
         nearest = (own and own.nearest) or None
         library.rtcSetGeometryIntersectFilterFunction(geometry, nearest)
 
-    def ask(self, own: ShadowFilter | GroupFilter | None) -> None:
+    def ask(self, own: LookFilter | None) -> None:
         """Another filter for a hierarchy that is built: for single rays. Packets go on as before.
 
         Nobody may be tracing rays meanwhile.
         """
         self._ask(self._library.rtcGetGeometry(self.handle, 0), own)
         self._filter = own
+
+    def go_on(self) -> None:
+        """See Accel: a LookFilter, where there is no other one, which does the same."""
+        if self._filter is None:
+            self.ask(LookFilter())
 
     def commit(self, cancelled=lambda: False) -> bool:
         """Build the hierarchy in a thread of its own; whether it was finished.

@@ -3,16 +3,21 @@
     Ng 12-14, u 15, v 16, primID 17, geomID 18, instance 19, its place in an array 20   RTCHit
 
 primID stays as it was where nothing is hit. A ray that slips through between two triangles ends
-behind those beside it: there it is asked again (docs/decisions/0030-rays-through-edges.md).
+behind those beside it: there it is asked again (docs/decisions/0030-rays-through-edges.md). One
+that goes on behind what it has met is the same ray from there on, as in Cycles: what lies in the
+plane of a clear face is met as well (docs/decisions/0049-rays-that-go-on.md).
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from .._jit import kernel
 from ..machine.addresses import call, get_float, get_int, put, stack
-from .embree_rays import put_constants, put_ray, start_aside
+from .embree_filter import JUST_BEFORE, SAME_PLANE, WELL_BEFORE, is_passed, mark_of
+from .embree_rays import SOONER, put_constants, put_ray, start_aside
 
 _RAY_HIT = 32  # 19, 2 for each level of instances, and room to spare
 _ZERO, _ALL = np.float32(0.0), np.uint32(0xFFFFFFFF)
@@ -22,10 +27,35 @@ _FARTHER, _NEARER = np.float32(1.02), np.float32(0.999)
 _ASIDE = np.float32(0.25)
 
 
+class Gone(NamedTuple):
+    """How far rays have come, and the faces that they go on behind.
+
+    far: float32 (n,), lengths of their directions; 0: they begin
+    mark: int32 (n,), embree_filter.mark_of of the face there; 0: none
+    """
+
+    far: np.ndarray
+    mark: np.ndarray
+
+    def at(self, which) -> Gone:
+        """Those of indices or a mask: copies."""
+        return Gone(self.far[which], self.mark[which])
+
+
+def begin_rays(n: int) -> Gone:
+    """Of n rays that have met nothing yet."""
+    return Gone(np.zeros(n, np.float32), np.zeros(n, np.int32))
+
+
 @kernel(forceinline=True)
-def _ask_nearest(traversal, ray, ox, oy, oz, d):
-    """Have the nearest hit written to a ray on the stack; how far it is, or infinity."""
+def _ask_nearest(traversal, ray, ox, oy, oz, d, near, mark):
+    """Have the nearest hit written to a ray on the stack; how far it is, or infinity.
+
+    near: float32, where the ray begins; mark: of the face there, which does not count
+    """
     put_ray(ray, 4, ox, oy, oz, d[0], d[1], d[2])
+    put(ray + 12, near)
+    put(ray + 40, np.int32(mark))
     put(ray + 60, _ZERO)
     put(ray + 64, _ZERO)
     for row in range(17, 21):
@@ -70,11 +100,33 @@ def _instance_of(ray):
     return get_int(ray + 76) + max(get_int(ray + 80), 0)
 
 
+@kernel(forceinline=True)
+def _mark(ray):
+    """mark_of what a ray has met."""
+    u, v = get_float(ray + 60), get_float(ray + 64)
+    return mark_of(get_int(ray + 68), get_int(ray + 76), get_int(ray + 80), u, v)
+
+
+@kernel(forceinline=True)
+def _ask_behind(traversal, ray, ox, oy, oz, d, far, mark):
+    """_ask_nearest behind the face at far, or behind that place where its mark is 0.
+
+    What lies in that face's plane counts; where Embree asks no filter, the face itself would.
+    """
+    near = far * (SAME_PLANE if mark == 0 else WELL_BEFORE)
+    distance = _ask_nearest(traversal, ray, ox, oy, oz, d, near, mark)
+    if mark != 0 and distance <= far * SAME_PLANE:
+        if distance < far * JUST_BEFORE or is_passed(mark, _mark(ray)):
+            distance = _ask_nearest(traversal, ray, ox, oy, oz, d, far * SAME_PLANE, 0)
+    return distance
+
+
 @kernel
-def intersect_block(traversal, origins, directions, triangle, instance, u, v):
+def intersect_block(traversal, origins, directions, gone, triangle, instance, u, v):
     """Write the nearest hits: triangle int32 (n,), -1 = none; u, v float32 (n,).
 
     origins, directions: float32 (n, 3), world space; those that follow each other, side by side
+    gone: Gone, behind which they are; written to as well
     instance: int32 (n,), in a scene of instances: which one, that counts the triangle so
     """
     first, second = stack(_RAY_HIT), stack(_RAY_HIT)
@@ -83,14 +135,19 @@ def intersect_block(traversal, origins, directions, triangle, instance, u, v):
     aside, before = _ASIDE * np.float32(traversal.aside), _ZERO
     for k in range(len(origins)):
         x, y, z, d = origins[k, 0], origins[k, 1], origins[k, 2], directions[k]
-        ray, distance = first, _ask_nearest(traversal, first, x, y, z, d)
+        far, mark = gone.far[k], gone.mark[k]
+        ray, distance = first, _ask_behind(traversal, first, x, y, z, d, far, mark)
         for look in range(2):
             if aside > _ZERO and distance > _FARTHER * before:
                 sx, sy, sz = start_aside(x, y, z, d[0], d[1], d[2], aside, look)
-                other = _ask_nearest(traversal, second, sx, sy, sz, d)
+                near = far + SOONER * aside if far > _ZERO else _ZERO
+                other = _ask_nearest(traversal, second, sx, sy, sz, d, near, 0)
                 if other < _NEARER * distance:
                     ray, distance = second, other
                     break
         before = distance
         triangle[k], u[k], v[k] = get_int(ray + 68), get_float(ray + 60), get_float(ray + 64)
         instance[k] = _instance_of(ray)
+        # Of two faces in one plane the ray goes on behind both, else it would go to and fro.
+        gone.mark[k] = 0 if far > _ZERO and distance <= far * SAME_PLANE else _mark(ray)
+        gone.far[k] = distance

@@ -33,7 +33,7 @@ _ONE_WAY, _OTHER_WAY = (0.48, 0.6, 0.64), (-0.64, 0.6, 0.48)
 _TURN = np.float32(0.268)  # of 75 degrees
 # A ray aside meets the face that another one goes to by so many times that much sooner, where it
 # is seen at half a degree or more.
-_SOONER = np.float32(128.0)
+SOONER = np.float32(128.0)
 
 
 class Traversal(NamedTuple):
@@ -233,7 +233,7 @@ def occluded_within(traversal, origins, directions, reach, towards, open_way, n,
         own = o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2], reach[k]
         blocked = _blocked_within(traversal, ray, *own)
         if blocked == 0 and traversal.aside > 0.0 and not open_way[towards[k]]:
-            end = reach[k] - _SOONER * np.float32(traversal.aside)
+            end = reach[k] - SOONER * np.float32(traversal.aside)
             blocked = blocked_aside(traversal, *own[:6], end) if end > _ZERO else 0
         open_way[towards[k]] = blocked == 0
         out[k] = blocked & colors

@@ -70,11 +70,11 @@ class MovedAccel(Accel):
         self.traversal = self._scene.traversal()._replace(occluded8=0)  # packets ask no filter
 
     def _own_hierarchy(self, cancelled) -> EmbreeScene:
-        opacity = self.opacity
+        own, opacity = self._base.own_filter, self.opacity
         if opacity is not None:
-            opacity = ShadowFilter(opacity._replace(row=opacity.row[self._rows]))
+            own = ShadowFilter(opacity._replace(row=opacity.row[self._rows]))
         triangles = self.mesh.triangles[self._rows]
-        scene = EmbreeScene(self.mesh.vertices, triangles, opacity, self._base.scene)
+        scene = EmbreeScene(self.mesh.vertices, triangles, own, self._base.scene)
         if not scene.commit(cancelled) or cancelled():
             raise Cancelled
         return scene
@@ -109,7 +109,7 @@ def moved(base: Accel, mesh: TriangleMesh, moves: Moves, cancelled=lambda: False
 def settled(base: Accel) -> None:
     """Have the hierarchy show all its triangles where they were built."""
     if base.scene is not None:
-        base.scene.ask(None if base.opacity is None else ShadowFilter(base.opacity))
+        base.scene.ask(base.own_filter)
 
 
 def warm_up() -> None:

@@ -75,6 +75,10 @@ class MovingAccel(Accel):
             raise Cancelled
         self._parts.append(scene)
 
+    @property
+    def _hierarchies(self) -> list[EmbreeScene]:
+        return self._parts
+
     def _pose(self, matrices) -> InstanceScene | None:
         return InstanceScene(self._parts, matrices[:, :3]) if self._parts else None
 

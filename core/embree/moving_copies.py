@@ -15,6 +15,7 @@ from ..scene import TriangleMesh
 from .accel import among
 from .copied_accel import CopiedAccel
 from .copied_rows import CopiedRows
+from .embree import EmbreeScene
 from .embree_filter import Opacity
 from .embree_instances import InstanceScene
 from .moving_accel import MovingAccel
@@ -53,6 +54,10 @@ class MovingCopies(MovingAccel):
         if array is None:
             return super()._pose(matrices)
         return InstanceScene(self._parts, matrices[:, :3], array)
+
+    @property
+    def _hierarchies(self) -> list[EmbreeScene]:
+        return self._parts + self._copied._hierarchies
 
     def with_rows(self, table: CopiedRows) -> MovingCopies:
         """See CopiedAccel."""

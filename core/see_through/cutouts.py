@@ -15,6 +15,7 @@ import numpy as np
 
 from ..data.program import Program
 from ..data.rows import any_in_row, row_means
+from ..embree.embree_hits import Gone, begin_rays
 from ..geometry.poses import points_at_rest, posed_points
 from ..geometry.round_points import is_round
 from ..geometry.shading import ShadingPoints, points_within
@@ -175,10 +176,11 @@ def points_through(
     """
     tints = np.ones((len(origins), 3), np.float32) if tints is None else tints
     slots = accel.slots(len(origins)) if hits is None else None
-    met = accel.intersect(origins, directions, slots) if hits is None else hits
+    gone = None if cut_materials(scene) is None else begin_rays(len(origins))
+    met = accel.intersect(origins, directions, slots, gone) if hits is None else hits
     points = _points_met(scene, met, directions)
     points = points_within(points, origins, reach)
-    if cut_materials(scene) is None:
+    if gone is None:
         return points
     ended, numbers = [], None if dither is None else np.array(dither, np.float64)
     for n in range(1, scene.shaders.passes_of_camera(most) + 1):
@@ -192,7 +194,8 @@ def points_through(
             points = points.at(slice(0))
         if not len(points.pixel):
             break
-        points = points_within(_points_behind(scene, accel, points, slots), origins, reach)
+        rays = points.pixel, origins, directions, slots, gone
+        points = points_within(_points_behind(scene, accel, *rays), origins, reach)
         points.passed[:] = n
     points.passed[:] = ~points.passed
     ended.append(points)
@@ -220,11 +223,13 @@ def _going_on(scene: Scene, points: ShadingPoints, numbers) -> tuple[np.ndarray,
     return goes, color[goes] / passing[goes, None]
 
 
-def _points_behind(scene: Scene, accel, points: ShadingPoints, slots) -> ShadingPoints:
-    """What the rays of points meet next, behind them. slots: of all rays, or None"""
-    rays = points.pixel
-    starts, onward = behind(points, accel.offset)
-    hits = accel.intersect(starts, onward, None if slots is None else slots[rays])
+def _points_behind(
+    scene: Scene, accel, rays: np.ndarray, origins, directions, slots, gone: Gone
+) -> ShadingPoints:
+    """What some rays, int (k,), meet next; the other arrays are of all. gone: written to"""
+    onward, own = directions[rays], gone.at(rays)
+    hits = accel.intersect(origins[rays], onward, None if slots is None else slots[rays], own)
+    gone.far[rays], gone.mark[rays] = own
     met = _points_met(scene, hits, onward)
     return met._replace(pixel=rays[met.pixel])
 
@@ -238,11 +243,6 @@ def opacity_of(tints: np.ndarray) -> np.ndarray:
     """float32 (n,): the opacity of a film where rays with these tints have met nothing; below 0
     where a part of the rays has more than all of the light, for the others that have none."""
     return np.float32(1.0) - row_means(tints)
-
-
-def behind(points: ShadingPoints, offset: float) -> tuple[np.ndarray, np.ndarray]:
-    """Where rays go on behind the points that they have met: origins and directions."""
-    return points.position - np.float32(offset) * points.geometric_normal, -points.wo
 
 
 def drawn_numbers(u: np.ndarray, v: np.ndarray, directions: np.ndarray) -> np.ndarray:

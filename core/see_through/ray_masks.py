@@ -24,6 +24,7 @@ class RayMasks:
     catcher: what catches shadows, and throws none on others of its kind
     linked: for each of Scene.lamp_links what throws shadows of its lamps
     near: what throws a shadow, where nodes ask what is near; None: none does
+    clear: whether anything lets the camera's rays through
     """
 
     camera: np.ndarray
@@ -33,6 +34,7 @@ class RayMasks:
     opacity: Opacity | None
     linked: tuple[np.ndarray, ...] = ()
     near: np.ndarray | None = None
+    clear: bool = False
 
     def same(self, other: RayMasks) -> bool:
         """Whether two are equal."""
@@ -40,6 +42,8 @@ class RayMasks:
             (m.camera, m.solid, m.cut, m.catcher, *m.linked, m.near) for m in (self, other)
         )
         if len(own) != len(others) or not all(map(np.array_equal, own, others)):
+            return False
+        if self.clear != other.clear:
             return False
         return self.opacity is other.opacity or (
             self.opacity is not None and self.opacity.same(other.opacity)
@@ -81,4 +85,4 @@ def ray_masks(scene: Scene) -> RayMasks | None:
     if opacity is not None:
         with_grid = opacity.row >= 0
     solid, hit_by_hit = shadow & (~cut | with_grid), shadow & cut & ~with_grid
-    return RayMasks(camera, solid, hit_by_hit, catcher, opacity, linked, near)
+    return RayMasks(camera, solid, hit_by_hit, catcher, opacity, linked, near, clear=True)

@@ -18,13 +18,14 @@ from ..data.object_motion import ObjectMotion
 from ..embree.accel import MISS, Accel, among
 from ..embree.copied_accel import CopiedAccel
 from ..embree.copied_rows import CopiedRows
+from ..embree.embree_hits import Gone, begin_rays
 from ..embree.embree_rays import ALL_COLORS, Traversal
 from ..embree.moved_accel import Moves, moved, settled
 from ..embree.moving_accel import MovingAccel
 from ..embree.moving_copies import MovingCopies
 from ..geometry.poses import posed_points
 from ..scene import Scene, TriangleMesh
-from .cutouts import behind, drawn_numbers, passing_shares
+from .cutouts import drawn_numbers, passing_shares
 from .ray_masks import RayMasks
 
 # Surfaces that a shadow ray goes through, where its hits are looked at one by one.
@@ -79,9 +80,9 @@ class PartAccel:
         other.accel = self.accel.with_copies(copies)
         return other
 
-    def intersect(self, origins, directions, slots=None):
+    def intersect(self, origins, directions, slots=None, gone: Gone | None = None):
         """See Accel; triangles are counted as in the whole mesh."""
-        return self._as_rows(*self.accel.intersect(origins, directions, slots))
+        return self._as_rows(*self.accel.intersect(origins, directions, slots, gone))
 
     def as_triangles(self, face, u, v, instance):
         """See Accel; triangles are counted as in the whole mesh."""
@@ -148,6 +149,9 @@ class RayParts:
         same = np.array_equal(masks.camera, masks.solid)
         self.camera = self.shadows.solid if same else part(masks.camera, None)
         self.linked = [shadows(own) for own in masks.linked]
+        cut = [own.cut for own in (self.shadows, *self.linked) if own.cut is not None]
+        for own in {self.camera, *cut} if masks.clear else ():
+            own.accel.go_on()
 
     def _each(self, change) -> RayParts:
         """change(part) of all of them, once each."""
@@ -235,9 +239,11 @@ class SceneRays:
         """Of all triangles, opaque, for these nodes."""
         return self._parts.near[1].accel
 
-    def intersect(self, origins: np.ndarray, directions: np.ndarray, slots=None):
+    def intersect(
+        self, origins: np.ndarray, directions: np.ndarray, slots=None, gone: Gone | None = None
+    ):
         """The nearest hits that the camera sees; see Accel."""
-        return self._parts.camera.intersect(origins, directions, slots)
+        return self._parts.camera.intersect(origins, directions, slots, gone)
 
     def slots(self, n: int) -> np.ndarray | None:
         """See Accel."""
@@ -263,26 +269,20 @@ class SceneRays:
         rays = np.flatnonzero(~out)
         origins, directions = origins[rays], directions[rays]
         reach = np.full(len(rays), np.inf, np.float32) if reach is None else reach[rays]
+        gone = begin_rays(len(rays))
         for _ in range(_MOST_LAYERS):
-            hit, u, v = self._cut.intersect(origins, directions)
+            hit, u, v = self._cut.intersect(origins, directions, gone=gone)
+            hit = np.where(gone.far < reach, hit, np.int32(MISS))
             points = posed_points(self._scene.pose, self._scene.mesh, hit, u, v, directions)
-            way = points.position - origins[points.pixel]
-            reach = reach[points.pixel] - _length(way) / _length(directions[points.pixel])
-            points, reach = points.at(reach > 0.0), reach[reach > 0.0]
-            if not len(points.pixel):
+            met = points.pixel
+            if not len(met):
                 break
-            met, rays = points.pixel, rays[points.pixel]
             passing = passing_shares(self._scene, points, shadow=True)
             goes = drawn_numbers(u[met], v[met], directions[met]) < passing
-            out[rays[~goes]] = True
-            rays, reach = rays[goes], reach[goes]
-            directions = directions[met][goes]
-            origins, _ = behind(points.at(goes), self.offset)
+            out[rays[met[~goes]]] = True
+            rays, reach, gone = rays[met[goes]], reach[met[goes]], gone.at(met[goes])
+            origins, directions = origins[met[goes]], directions[met[goes]]
         else:
             out[rays] = True
         answer[:] = np.where(out, ALL_COLORS, 0)
         return answer
-
-
-def _length(vectors: np.ndarray) -> np.ndarray:
-    return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
