@@ -30,7 +30,7 @@ LAYERS = {
     "mist": 1,  # 0 where it begins, 1 where it is complete and where the world is seen
     "vector": 4,  # pixels from here to where it was a frame before, and from where it will be
     "uv": 3,  # place on the UV map; 1 times the share of the pixel's rays that hit a surface
-    "shadow_catcher": 3,  # of the light that a pixel's catchers reflect, what arrives; 1 of none
+    "shadow_catcher": 3,  # what arrives on a pixel's catchers, over all that would; 1 of none
     "sample_count": 1,  # samples divided by max_samples: Cycles' Debug Sample Count
     "samples": 1,  # shadow rays of the pixel
     "error": 1,  # e_d when the pixel stopped [Huang07, eq. 7]

@@ -1,11 +1,11 @@
 """Shadow catchers and holdouts: surfaces of which the picture shows their shadow, or a hole.
 
 A catcher shows the world behind it, times s: of the light that it reflects, the part that arrives
-where the other objects stand (Cycles' Shadow Catcher pass); the picture takes the mean of s over
-its colours, as Cycles' does. In a transparent film it is black with the opacity 1 - s. What it is
-made of says only how light from different sides counts. A holdout is black, with the opacity of
-what its ray has gone through, in any film; but beside a catcher, in an opaque film, all is opaque,
-as in Cycles.
+where the other objects stand (Cycles' Shadow Catcher pass), and more than 1 where these shine; the
+picture takes the mean of s over its colours, up to 1, as Cycles' does. In a transparent film it is
+black with the opacity 1 - s. What it is made of says only how light from different sides counts. A
+holdout is black, with the opacity of what its ray has gone through, in any film; but beside a
+catcher, in an opaque film, all is opaque, as in Cycles.
 
 Passes of what a surface is made of have a catcher as any other; so has Environment, in an opaque
 film, the world that it shows. Where the pass Shadow Catcher is asked for, that alone has the
@@ -52,9 +52,13 @@ def are_whole_holes(scene: Scene, points: ShadingPoints) -> np.ndarray:
 
 
 def arriving(seen: np.ndarray, whole: np.ndarray) -> np.ndarray:
-    """s: float64, 0 to 1, of light with and without the other objects, (n, 3); 1 of none."""
-    share = np.divide(seen, whole, out=np.ones(seen.shape), where=whole > 0.0)
-    return np.minimum(share, 1.0)
+    """s: float64, of light with and without the other objects, (n, 3); 1 of none."""
+    return np.divide(seen, whole, out=np.ones(seen.shape), where=whole > 0.0)
+
+
+def _gray(share: np.ndarray) -> np.ndarray:
+    """float64 (n,), 0 to 1: what of the world behind a catcher is seen."""
+    return np.minimum(share.mean(axis=1), 1.0)
 
 
 class CaughtPasses:
@@ -80,7 +84,7 @@ class CaughtPasses:
         if scene.transparent_film:
             behind = np.ones_like(behind)
         share = arriving(sums.diffuse + sums.glossy, sums.unoccluded)
-        light = share.mean(axis=1) * (behind @ LUMINANCE)
+        light = _gray(share) * (behind @ LUMINANCE)
         own = (light, light**2, sums.count, sums.visible)
         for name, value in zip(("light", "light_squared", "count", "visible"), own, strict=True):
             np.add.at(getattr(state, name), points.pixel, value)
@@ -179,7 +183,7 @@ def _write(scene, layers, where, share, behind, part, opaque) -> None:
     if scene.asked.catcher:
         return
     combined = layers["combined"].reshape(-1, 4)
-    gray = share.mean(axis=1)
+    gray = _gray(share)
     if scene.transparent_film:
         combined[where, 3] += part[:, 0] * (1.0 - gray) + opaque * gray
     else:
