@@ -60,6 +60,8 @@ _RED, _BLUE = _clear((0.9, 0.3, 0.2)), _clear((0.3, 0.5, 1.0))
 _case("area, red", "AREA", _BESIDE, (_RED, -1.5), **_AREA)
 _case("area, red before and blue behind", "AREA", _BESIDE, (_RED, -1.5), (_BLUE, 1.5), **_AREA)
 _case("area, two panes", "AREA", _BESIDE, (_RED, -1.5), (_BLUE, -2.0), **_AREA)
+# Nearer than the offset by which rays start off a surface.
+_case("area, two panes a hair apart", "AREA", _BESIDE, (_RED, -1.5), (_BLUE, -1.499995), **_AREA)
 _case("area before a pane", "AREA", _BEFORE, (_RED, -1.0), **_AREA | {"size": 0.6})
 _case("ball, stained", "POINT", _BESIDE, (_stained, -1.5), **_BALL)
 _case("ball, partial alpha", "POINT", _BESIDE, (_half, -1.5), **_BALL)
