@@ -9,7 +9,7 @@ what stands above its own row, and from its own folder; nothing imports in a cir
     scene          what is rendered
     film           what a tile carries, and who takes it
     stats          what a render cost
-    exr            OpenEXR files
+    exr, exr_picture  OpenEXR files; what is shown of one with layers
     machine        threads, clocks, memory
     unit_square    Sobol's and Halton's points; the sphere as a square
     wavelets       sparse Haar series and their product; tables on disk

@@ -14,6 +14,7 @@ import os
 import secrets
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,6 +33,16 @@ _LETTERS_BY_NAME = {
 _ORDER = "RGBAXYZWUV"  # how the channels of a layer that is read are put in order
 
 
+class Part(NamedTuple):
+    """One part of a file. view: whose all of it is, or its channels whose names tell of no view;
+    views: those that names may tell of; channels: name -> OpenEXR.Channel"""
+
+    name: str
+    view: str
+    views: tuple[str, ...]
+    channels: dict
+
+
 def read_exr(path: str | os.PathLike) -> dict[str, np.ndarray]:
     """Read every channel of every part: full name -> float32 (h, w), row 0 at the bottom.
 
@@ -39,13 +50,13 @@ def read_exr(path: str | os.PathLike) -> dict[str, np.ndarray]:
     file whose parts share channel names has the part's name put before them.
     Raises FileNotFoundError, or OSError for a file that is empty, damaged or not OpenEXR.
     """
-    parts = _open_parts(os.fspath(path))
-    names = [name for _, channels in parts for name in channels]
+    parts = open_parts(os.fspath(path))
+    names = [name for part in parts for name in part.channels]
     prefix = len(set(names)) < len(names)
     return {
-        f"{part}.{name}" if prefix and part else name: _to_array(path, name, channel)
-        for part, channels in parts
-        for name, channel in channels.items()
+        f"{part.name}.{name}" if prefix and part.name else name: plane_of(path, name, channel)
+        for part in parts
+        for name, channel in part.channels.items()
     }
 
 
@@ -71,6 +82,7 @@ def write_exr_layers(
     view_layer: str = "ViewLayer",
     letters: dict[str, str] | None = None,
     attributes: dict[str, str] | None = None,
+    compression: str = "ZIP",
 ) -> None:
     """Write all layers to one file, whole or not at all: a file that was there stays until then.
 
@@ -78,11 +90,13 @@ def write_exr_layers(
     view_layer: first word of the channel names; empty = none
     letters: name of a pass -> a letter a channel, where Blender's custom is not wanted
     attributes: name -> text, written into the header
+    compression: its name in OpenEXR
     Raises ValueError for layers that make no picture, OSError (with the path) when writing fails.
     """
     openexr = _openexr()
     path = Path(path)
-    header = {"compression": openexr.ZIP_COMPRESSION, "type": openexr.scanlineimage}
+    packing = getattr(openexr, f"{compression}_COMPRESSION")
+    header = {"compression": packing, "type": openexr.scanlineimage}
     channels = _channels_of(layers, view_layer, letters or {})
     picture = openexr.File({**header, **(attributes or {})}, channels)
     temporary = str(path.with_name(f".iwis-{os.getpid()}-{secrets.token_hex(4)}.exr"))
@@ -108,8 +122,8 @@ def _openexr():
     return OpenEXR
 
 
-def _open_parts(path: str):
-    """[(part's name, {channel's name: OpenEXR.Channel})] of a file that is sound."""
+def open_parts(path: str) -> list[Part]:
+    """The parts of a file that is sound. Raises as read_exr()."""
     if not os.path.exists(path):
         raise FileNotFoundError(f"{path}: there is no such file")
     if not os.path.isfile(path):
@@ -128,10 +142,17 @@ def _open_parts(path: str):
         raise OSError(f"{path}: the file is damaged: {_reason(error)}") from error
     if len(parts) < wanted or not parts:
         raise OSError(f"{path}: the file is damaged: its pixels cannot be read")
-    return [(part.name() or "", part.channels) for part in parts]
+    return [_part_of(part) for part in parts]
 
 
-def _to_array(path, name, channel):
+def _part_of(part) -> Part:
+    views = tuple(part.header.get("multiView") or ())
+    own = part.header.get("view") or (*views, "")[0]
+    return Part(part.name() or "", own, views, part.channels)
+
+
+def plane_of(path, name: str, channel) -> np.ndarray:
+    """float32 (h, w) of an OpenEXR.Channel, row 0 at the bottom. Raises OSError."""
     pixels = channel.pixels
     if getattr(pixels, "ndim", 0) != 2 or pixels.dtype == object:
         raise OSError(f"{path}: channel {name} holds deep pixels, which are not supported")

@@ -1,4 +1,4 @@
-"""Write an OpenEXR file without loading the OpenEXR package into Blender's own process.
+"""Read and write OpenEXR files without loading the OpenEXR package into Blender's own process.
 
 Inside a Blender program the package's calls bind to the OpenEXR that Blender has loaded, which
 crashes some versions. There it runs in a process of Blender's Python, which executes this file;
@@ -16,6 +16,7 @@ import numpy as np
 
 _ROOT = Path(__file__).resolve().parent.parent
 _SECONDS = 600
+_FILM, _PICTURE = "film", "picture"  # what a child is to do
 
 
 def write_exr(
@@ -39,15 +40,30 @@ def write_exr(
     with tempfile.TemporaryDirectory(prefix="iwis-") as folder:
         arrays = os.path.join(folder, "layers.npz")
         np.savez(arrays, **layers)
-        _run_child(arrays, path, letters, space)
+        _run_child(_FILM, path, arrays, json.dumps(letters), space)
 
 
-def _run_child(arrays, path, letters, space):
-    """Blender's Python finds this add-on, its wheels and numpy where this process finds them."""
+def write_picture(
+    source: str, target: str, passes: list[str], straight: bool, inside_blender: bool
+) -> bool:
+    """As core.exr_picture's. Raises OSError as that does, ImportError without the package."""
+    if inside_blender:
+        words = json.dumps(passes), json.dumps(straight)
+        return json.loads(_run_child(_PICTURE, source, target, *words))
+    from ..core import exr_picture
+
+    return exr_picture.write_picture(source, target, passes, straight)
+
+
+def _run_child(job, path, *words) -> str:
+    """The last line that it says.
+
+    Blender's Python finds this add-on, its wheels and numpy where this process finds them.
+    """
     name = f"{_ROOT.name}.{Path(__file__).parent.name}.{Path(__file__).stem}"
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join([str(_ROOT.parent), *sys.path]))
     child = subprocess.run(
-        [sys.executable, "-m", name, arrays, path, json.dumps(letters), space],
+        [sys.executable, "-m", name, job, path, *words],
         env=environment,
         capture_output=True,
         text=True,
@@ -56,15 +72,26 @@ def _run_child(arrays, path, letters, space):
     )
     if child.returncode:
         lines = child.stderr.strip().splitlines()
-        raise OSError(lines[-1] if lines else f"{path}: cannot be written")
+        wrong = "cannot be written" if job == _FILM else "cannot be read"
+        raise OSError(lines[-1] if lines else f"{path}: {wrong}")
+    return child.stdout.strip().rpartition("\n")[2]
 
 
-def _child(arrays: str, path: str, letters: str, space: str) -> None:
+def _write_film(path: str, arrays: str, letters: str, space: str) -> None:
     with np.load(arrays) as layers:
-        try:
-            write_exr(path, dict(layers), json.loads(letters), False, space)
-        except (ImportError, OSError) as error:
-            sys.exit(str(error))
+        write_exr(path, dict(layers), json.loads(letters), False, space)
+
+
+def _write_picture(source: str, target: str, passes: str, straight: str) -> None:
+    colors = write_picture(source, target, json.loads(passes), json.loads(straight), False)
+    sys.stdout.write(json.dumps(colors) + "\n")
+
+
+def _child(job: str, *words: str) -> None:
+    try:
+        {_FILM: _write_film, _PICTURE: _write_picture}[job](*words)
+    except (ImportError, OSError) as error:
+        sys.exit(str(error))
 
 
 if __name__ == "__main__":

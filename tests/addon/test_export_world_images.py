@@ -4,7 +4,6 @@ import bpy
 import numpy as np
 import pytest
 
-from iwis.core.exr import write_exr_layers
 from support.world_render import (
     RELATIVE,
     assert_as_cycles,
@@ -128,17 +127,6 @@ def test_image_sequence_frame(scene, tree, texels, tmp_path, packed):
     assert_as_cycles(scene, tmp_path, relative=2.4 * RELATIVE)
     environment, _ = exported()
     assert environment.radiance.max() > 0.9
-
-
-def test_picture_with_layers_is_named_as_such(scene, tree, texels, tmp_path):
-    """Cycles shows the first of them; it is pink here, and nothing is said of damage."""
-    path = tmp_path / "layers.exr"
-    layers, letters = {"Combined": texels, "Depth": texels[..., :1]}, {"Combined": "RGB"}
-    write_exr_layers(path, layers, letters=letters | {"Depth": "Z"})
-    textured_world(tree, bpy.data.images.load(str(path)))
-    environment, (line,) = exported()
-    assert f"has layers, {path}, which IWIS does not read: save its picture as plain" in line
-    np.testing.assert_array_equal(looked_up(environment)[:1], [[1, 0, 1]])
 
 
 def test_missing_images_are_pink_as_in_cycles(scene, tree, tmp_path):

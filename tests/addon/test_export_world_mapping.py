@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from mathutils import Euler
 
-from iwis.iwis_addon.export.images.image import srgb_decode, srgb_encode
+from iwis.iwis_addon.export.images.color_spaces import srgb_decode, srgb_encode
 from iwis.iwis_addon.export.images.smooth_texels import finer, smooth_texels
 from support.world_render import (
     RELATIVE,

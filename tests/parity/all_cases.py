@@ -17,6 +17,7 @@ from . import (
     image_cases,
     lamp_cases,
     lamp_picture_cases,
+    layered_cases,
     link_cases,
     lit_cases,
     metal_cases,
@@ -83,5 +84,6 @@ _FAMILIES = (
     space_cases,
     spectral_cases,
     simplify_cases,
+    layered_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

@@ -9,7 +9,7 @@ import numpy as np
 
 from ....core.nodes.color import COOLEST, HOTTEST, blackbody
 from ...scratch import scratch
-from .image import working_space
+from .color_spaces import working_space
 
 _STEPS = 2048
 

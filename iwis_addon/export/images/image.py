@@ -18,16 +18,10 @@ import bpy
 import numpy as np
 
 from ...scratch import scratch
+from .color_spaces import WORKING_SPACE_OF_4, srgb_decode, srgb_decode_bytes, working_space
 from .image_files import is_outdated
+from .layers import LayersError, has_layers, plain_file
 from .movies import frame_of, show_frame
-
-_WORKING_SPACE_OF_4 = "Linear Rec.709"
-# Y of the primaries, as Cycles has them: ACEScg's are adapted to the white of D65.
-_LUMINANCE = {
-    "Linear Rec.709": (0.2126, 0.7152, 0.0722),
-    "Linear Rec.2020": (0.2627, 0.6780, 0.0593),
-    "ACEScg": (0.26767, 0.67434, 0.05799),
-}
 
 
 class Texels(NamedTuple):
@@ -53,6 +47,7 @@ def read_by(read, image, image_user, frame: int | None = None):
     scene, which a movie's user need not have been told; None: it has."""
     if image is None:
         raise ImageError("no image is chosen: choose one in the node, or remove the node")
+    read = functools.partial(_read_plain, read)
     if image.source == "SEQUENCE" and image_user is not None:
         return _read_frame(image, image_user, read)
     if is_outdated(image):
@@ -67,13 +62,26 @@ def read_by(read, image, image_user, frame: int | None = None):
             image.buffers_free()
 
 
+def _read_plain(read, image):
+    """read(data-block), of an image with layers in the way of what is shown of it."""
+    width, _height = image.size  # loads the file
+    if width or not has_layers(image):
+        return read(image)
+    associated = "PREMUL" if image.alpha_mode == "STRAIGHT" else image.alpha_mode
+    try:
+        with plain_file(image, _path_of(image)) as plain:
+            return _load(plain.path, plain.space, associated, read, plain.packed)
+    except LayersError as error:
+        raise ImageError(str(error)) from None
+
+
 def texels_of(image) -> Texels:
     """As read_texels, of a data-block that has but one frame."""
     rgba = pixels_of(image)
     color, alpha = rgba[..., :3], rgba[..., 3:]
     encoded = not image.is_float
     space = image.colorspace_settings
-    srgb = space.name == "sRGB" and working_space() == _WORKING_SPACE_OF_4
+    srgb = space.name == "sRGB" and working_space() == WORKING_SPACE_OF_4
     plain = srgb or space.is_data or space.name in (working_space(), "scene_linear")
     share = None if plain else _share_of_color(image, alpha)
     clear = _has_clear_parts(image, alpha, 1.0)
@@ -88,7 +96,7 @@ def texels_of(image) -> Texels:
     if not encoded:
         return Texels(color, srgb and not _is_builtin(image))
     if srgb:
-        return Texels(srgb_decode(color) if image.is_float else _srgb_decode_bytes(color), True)
+        return Texels(srgb_decode(color) if image.is_float else srgb_decode_bytes(color), True)
     if plain:
         return Texels(color, False)
     if share is None:
@@ -134,7 +142,7 @@ def bytes_of(image, room: Room) -> np.ndarray | None:
     """uint8 (h, w, 4): texels that Cycles interpolates as bytes, of data or in sRGB, with alpha;
     None: of this data-block it interpolates floats."""
     space = image.colorspace_settings
-    srgb = space.name == "sRGB" and working_space() == _WORKING_SPACE_OF_4
+    srgb = space.name == "sRGB" and working_space() == WORKING_SPACE_OF_4
     pixels = pixels_of(image, room)
     if image.is_float or not (srgb or space.is_data):
         return None
@@ -224,8 +232,6 @@ def _what_is_wrong(image) -> str:
         return f"has no file at {path}: find it by File > External Data > Find Missing Files"
     if os.path.isdir(path):
         return f"is a folder, {path}: choose a file in it"
-    if image.type == "MULTILAYER":
-        return f"has layers, {path}, which IWIS does not read: save its picture as plain OpenEXR"
     if os.path.getsize(path) == 0:
         return f"is an empty file, {path}: copy it again"
     return f"cannot be read from {path}: the file is damaged or of an unknown kind, replace it"
@@ -251,35 +257,6 @@ def _load(path, space, alpha_mode, read, packed=False):
         if packed:
             image.pack()
         return read(image)
-
-
-def working_space() -> str:
-    """Blender 5 lets a file choose its scene-linear space; it was Linear Rec.709 before."""
-    settings = getattr(bpy.data, "colorspace", None)
-    return getattr(settings, "working_space", _WORKING_SPACE_OF_4)
-
-
-def luminance_of_channels() -> np.ndarray:
-    """float32 (3,): what red, green and blue of the working space bring of CIE Y."""
-    return np.float32(_LUMINANCE.get(working_space(), _LUMINANCE[_WORKING_SPACE_OF_4]))
-
-
-def srgb_decode(encoded: np.ndarray) -> np.ndarray:
-    """Linear float32 of sRGB."""
-    curve = ((np.maximum(encoded, 0.0) + 0.055) / 1.055) ** 2.4
-    return np.where(encoded <= 0.04045, encoded / 12.92, curve).astype(np.float32)
-
-
-def srgb_encode(linear: np.ndarray) -> np.ndarray:
-    """sRGB of linear values: what was decoded before."""
-    curve = 1.055 * np.maximum(linear, 0.0) ** np.float32(1.0 / 2.4) - 0.055
-    return np.where(linear <= 0.0031308, linear * np.float32(12.92), curve)
-
-
-def _srgb_decode_bytes(encoded: np.ndarray) -> np.ndarray:
-    """The same of the 256 levels of a byte, by a table."""
-    levels = srgb_decode(np.arange(256) / 255.0)
-    return levels[np.rint(encoded * 255.0).astype(np.uint8)]
 
 
 def _convert(color: np.ndarray, space: str) -> np.ndarray:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from .image import working_space
+from .color_spaces import working_space
 
 log = logging.getLogger(__name__)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .image import srgb_decode, srgb_encode
+from .color_spaces import srgb_decode, srgb_encode
 
 _MOST, _WIDE = 8, 4096  # texels in place of one, along each side; of the new image at the most
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 import hashlib
 
 from ..same import same
-from .image import Texels, read_texels, texels_of, working_space
+from .color_spaces import working_space
+from .image import Texels, read_texels, texels_of
 from .image_files import file_state, is_outdated
 from .sky import Skies
 from .texture_size import WHOLE, TextureSize, smaller_texels, smaller_tiles

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ....core.data.program import ImageTiles
-from .image import Texels, srgb_decode, srgb_encode
+from .color_spaces import srgb_decode, srgb_encode
+from .image import Texels
 
 
 class TextureSize(NamedTuple):

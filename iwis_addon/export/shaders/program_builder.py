@@ -12,7 +12,7 @@ import numpy as np
 from ....core.data.program import Op, Program, Ref, Value
 from ....core.nodes import FUNCTIONS
 from ....core.nodes.wireframe import OF_ELEMENTS
-from ..images.image import luminance_of_channels
+from ..images.color_spaces import luminance_of_channels
 from ..objects.origins import ORIGIN, PARTICLE
 from .node_values import NodeReader, follow
 from .program_nodes import HANDLERS, PURE, SETTINGS

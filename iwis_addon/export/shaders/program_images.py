@@ -16,7 +16,8 @@ import numpy as np
 
 from ....core.data.program import ImageTiles
 from ...scratch import scratch
-from ..images.image import ImageError, Room, bytes_of, pixels_of, read_by, srgb_encode, texels_of
+from ..images.color_spaces import srgb_encode
+from ..images.image import ImageError, Room, bytes_of, pixels_of, read_by, texels_of
 from ..images.movies import frame_of
 
 _FIRST_TILE = 1001
@@ -143,7 +144,7 @@ def _read_tile(image, path: str, packed: bool, room):
 
 def _read_rgba(image, image_user, room, frame=None) -> tuple[np.ndarray, bool]:
     """(uint8 or float32 (h, w, 4), whether it is sRGB still)."""
-    no_alpha = image.alpha_mode == "NONE" or image.source == "SEQUENCE"
+    no_alpha = image.alpha_mode == "NONE"
 
     def read(own):
         rgba = bytes_of(own, room)

@@ -10,7 +10,7 @@ import numpy as np
 from ....core.bsdf.thin_film_tables import GAUSSIANS, THINNEST, film_space
 from ....core.data.program import Closure, Ref, ThinFilm, Value
 from ....core.scene import ASHIKHMIN_SHIRLEY, BECKMANN, DIFFUSE, GGX, MULTI_GGX
-from ..images.image import working_space
+from ..images.color_spaces import working_space
 from .program_builder import ProgramBuilder
 
 DISTRIBUTIONS = {
