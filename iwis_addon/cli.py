@@ -1,7 +1,8 @@
 """python -m iwis render FILE.blend -o OUT.exr: the real engine in the bpy module, no window.
 
 Exit codes: 0 rendered; 1 it could not be done, with one line on stderr; 2 wrong usage. Ctrl-C or a
-SIGTERM ends the render: the picture holds what was done by then, the exit code is 1.
+SIGTERM ends the render: the picture holds what was done by then (that of an animation's frame has
+another name, so that nobody takes it for done), the exit code is 1.
 """
 
 from __future__ import annotations

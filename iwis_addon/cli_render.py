@@ -96,8 +96,11 @@ def _render(scene, options) -> list[FrameStats]:
     try:
         bpy.ops.render.render(animation=animation, write_still=not animation)
     except RuntimeError as error:
-        raise CommandError(_what_stopped(_one_line(error))) from None
+        raise CommandError(_what_stopped(_one_line(error), options)) from None
     frames = stats_by_frame(RenderJob.get().records)
+    cut_short = [frame.frame for frame in frames if frame.stats.cancelled]
+    if animation and cut_short:
+        raise CommandError(_set_aside(options, cut_short[0]))
     for frame in frames:
         _check(output_path(options, frame.frame))
     try:
@@ -153,12 +156,26 @@ def _for_blender(path: Path) -> str:
     return str(path.resolve()).replace("{", "{{").replace("}", "}}")
 
 
-def _what_stopped(message: str) -> str:
+def _set_aside(options, frame: int) -> str:
+    """Give the picture of a frame of an animation that is not done another name, and tell it: who
+    goes on later takes a file for a frame that is done."""
+    path = output_path(options, frame)
+    aside = path.with_name(f"{path.stem}-partial{path.suffix}")
+    try:
+        os.replace(path, aside)
+    except OSError:  # of single views: other names
+        return f"interrupted; the picture of frame {frame} holds what was done by then"
+    return f"interrupted; what was done of frame {frame} by then is in {aside}"
+
+
+def _what_stopped(message: str, options) -> str:
     """Blender's message, with what to do about it or what is kept."""
     if RenderJob.interrupt.is_set():
         cut_short = [f.frame for f in stats_by_frame(RenderJob.get().records) if f.stats.cancelled]
         if len(cut_short) < 2:  # the last one is the frame that has not begun
             return "interrupted; the frame was not saved"
+        if options.start is not None:
+            return _set_aside(options, cut_short[0])
         return f"interrupted; the picture of frame {cut_short[0]} holds what was done by then"
     return f"{message}: {_ADVICE[message]}" if message in _ADVICE else message
 

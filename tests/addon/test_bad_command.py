@@ -212,11 +212,15 @@ def test_interrupt_while_denoising_keeps_the_noisy_picture(tmp_path):
 
 
 @pytest.mark.slow
-def test_interrupt_ends_an_animation(tmp_path):
-    """The frame at work keeps its tiles, the next one is not begun."""
-    stderr = interrupted(tmp_path, "sampling", signal.SIGTERM, "-s", "1", "-e", "3")
-    assert "frame 1 holds what was done" in stderr
-    assert [path.name for path in tmp_path.glob("*.exr")] == ["out_1.exr"]
+@pytest.mark.parametrize("last", ["1", "3"])
+def test_interrupt_ends_an_animation(tmp_path, last):
+    """The frame at work keeps its tiles, under a name that no frame has which is done; the next one
+    is not begun."""
+    stderr = interrupted(tmp_path, "sampling", signal.SIGTERM, "-s", "1", "-e", last)
+    assert "what was done of frame 1 by then is in" in stderr and "out_1-partial.exr" in stderr
+    assert [path.name for path in tmp_path.glob("*.exr")] == ["out_1-partial.exr"]
+    samples = read_exr_layers(tmp_path / "out_1-partial.exr")["ViewLayer.IWIS Samples"]
+    assert 0.0 < (samples > 0.0).mean() < 0.5
 
 
 @pytest.mark.slow
