@@ -29,11 +29,12 @@ class TileVectors:
     layer = "vector"
 
     def __init__(self, n: int):
-        self._sum, self._hits = np.zeros((n, 4)), np.zeros(n, np.int32)
+        self._sum, self._hits = np.zeros((n, 4)), np.zeros(n)
 
-    def add(self, scene: Scene, points: ShadingPoints, place: np.ndarray) -> None:
-        """Add points, int32 (k,) place: which pixel each belongs to."""
-        self._add(scene, place, points.position, [_moved(scene, points, k) for k in range(2)])
+    def add(self, scene: Scene, points: ShadingPoints, place: np.ndarray, weight=None) -> None:
+        """Add points, int32 (k,) place: which pixel each belongs to; weight: (k,), None = 1."""
+        there = [_moved(scene, points, k) for k in range(2)]
+        self._add(scene, place, points.position, there, weight)
 
     def add_missed(self, scene: Scene, place: np.ndarray, directions: np.ndarray) -> None:
         """Add rays that see the world, likewise. directions: float32 (k, 3)"""
@@ -46,7 +47,7 @@ class TileVectors:
         )
         self._add(scene, place, here, there)
 
-    def _add(self, scene: Scene, place, here, there) -> None:
+    def _add(self, scene: Scene, place, here, there, weight=None) -> None:
         """here, there: (k, 3), positions now, and a frame before and later."""
         camera, vectors = scene.camera, np.empty((len(place), 4))
         size, now = np.array([camera.width, camera.height]), frame_places(camera, here)
@@ -54,12 +55,14 @@ class TileVectors:
             then = frame_places(_camera_at(camera, scene.pixel_motion, k), there[k])
             vectors[:, 2 * k : 2 * k + 2] = (then - now if k == 0 else now - then) * size
         known = np.isfinite(vectors).all(axis=1)
-        np.add.at(self._sum, place[known], vectors[known])
-        np.add.at(self._hits, place[known], 1)
+        weight = np.ones(len(place)) if weight is None else weight
+        np.add.at(self._sum, place[known], vectors[known] * weight[known, None])
+        np.add.at(self._hits, place[known], weight[known])
 
     def values(self, rows, passes: np.ndarray) -> np.ndarray:
         """(k, 4): the layer of the pixels ``rows``."""
-        return self._sum[rows] / np.maximum(self._hits[rows], 1)[:, None]
+        hits = self._hits[rows, None]
+        return np.divide(self._sum[rows], hits, out=np.zeros((len(hits), 4)), where=hits > 0.0)
 
 
 def _camera_at(camera: Camera, motion: PixelMotion, k: int) -> Camera:

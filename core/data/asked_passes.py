@@ -64,7 +64,8 @@ class AskedPasses(NamedTuple):
     """occlusion_distance: metres that rays of the ambient-occlusion pass go, 0 = it is not wanted;
     mist, uv: None = they are not wanted either; mattes: the kinds of Cryptomatte
     that are wanted; groups: of lights, none = they are not wanted; roughness, catcher: whether they
-    are, Combined then has no shadow catchers."""
+    are, Combined then has no shadow catchers; solid: the opacity from which on a surface is in data
+    passes whole (Blender's Alpha Threshold), None = it is as the picture shows it."""
 
     occlusion_distance: float = 0.0
     mist: Mist | None = None
@@ -73,6 +74,7 @@ class AskedPasses(NamedTuple):
     groups: LightGroups = LightGroups()
     roughness: bool = False
     catcher: bool = False
+    solid: float | None = None
 
 
 NO_PASSES = AskedPasses()

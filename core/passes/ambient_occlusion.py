@@ -36,7 +36,7 @@ class TileOcclusion:
 
     def __init__(self, scene: Scene, settings: RenderSettings, accel: Accel, n: int):
         self._reach, self._accel, self._settings = scene.asked.occlusion_distance, accel, settings
-        self._open = np.zeros(n if self.wanted else 0, np.float64)
+        self._open = np.zeros((n if self.wanted else 0, 3), np.float64)
         self.traced = 0
 
     @property
@@ -54,14 +54,27 @@ class TileOcclusion:
         places: column and row in the frame of each; number: int64 (n,), of each its pass
         """
         if self.wanted:
-            own = self._seen(points, lobes, places, number * _OF_A_PASS, _OF_A_PASS)
-            np.add.at(self._open, points.pixel, own)
+            self._add(points, _normals(points, lobes), points.through, places, number)
+
+    def add_panes(self, panes: ShadingPoints, taken, places, number: np.ndarray) -> None:
+        """Add surfaces that rays of passes go through and that show nothing, as Cycles does.
+
+        taken: float32 (n, 3), of the light; the others as of add_pass
+        """
+        if self.wanted and len(number):
+            facing = panes.facing_viewer()
+            self._add(facing, facing.normal, taken, places, number)
+
+    def _add(self, points, normal, factor, places, number) -> None:
+        own = self._seen(points, normal, places, number * _OF_A_PASS, _OF_A_PASS)
+        np.add.at(self._open, points.pixel, own[:, None] * factor)
 
     def settle(self, points: ShadingPoints, lobes: Lobes, places) -> None:
         """Have the pass of points, once and for all; row k of the tile is point k."""
         if self.wanted:
-            own = points.facing_viewer(), lobes, places
-            self._open[:] = self._seen(*own, 0, _AT_ONCE)
+            facing = points.facing_viewer()
+            own = self._seen(facing, _normals(facing, lobes), places, 0, _AT_ONCE)
+            self._open[:] = own[:, None] * points.through
 
     def add_to_layers(self, layers, rows, place, weight) -> None:
         """Write a tile's layer. rows: of the points; place: pixels of the layer, -1 = outside;
@@ -69,10 +82,16 @@ class TileOcclusion:
         if not self.wanted:
             return
         flat, inside = layers["ambient_occlusion"].reshape(-1, 3), place >= 0
-        seen = self._open[rows] * weight
-        flat[place[inside]] = np.broadcast_to(seen, place.shape)[inside, None]
+        seen = self._open[rows] * weight[:, None]
+        flat[place[inside]] = seen[inside]
 
-    def _seen(self, points, lobes, places, first, count) -> np.ndarray:
+    def panes_at_once(self, panes: ShadingPoints, taken, places) -> np.ndarray:
+        """float64 (n, 3): what panes add to a picture of one ray a pixel; as of add_panes."""
+        facing = panes.facing_viewer()
+        own = self._seen(facing, facing.normal, places, 0, _AT_ONCE)
+        return own[:, None] * taken
+
+    def _seen(self, points, normal, places, first, count) -> np.ndarray:
         """float64 (n,): the share of ``count`` rays, from ``first`` on, that meet nothing."""
         n = len(points.pixel)
         first = np.broadcast_to(first, n).astype(np.int64)
@@ -80,7 +99,7 @@ class TileOcclusion:
         origins, directions = (np.zeros((n * count, 3), np.float32) for _ in range(2))
         leaves = np.zeros(n * count, np.bool_)
         offset = np.float32(self._accel.offset)
-        own = points, _normals(points, lobes), sequence, first, count, offset
+        own = points, normal, sequence, first, count, offset
         _fill_rays(*own, origins, directions, leaves)
         which = np.flatnonzero(leaves)
         reach = np.full(len(which), self._reach, np.float32)

@@ -24,12 +24,14 @@ from .pass_sums import PassSums
 
 class PlacedPoints(NamedTuple):
     """The points that a tile's rays hit; place: int32 (n,), pixels of the tile, -1 = outside;
-    normal: float32 (n, 3), for the pass of that name."""
+    normal: float32 (n, 3), for the pass of that name; data_place: as place, for depth, position and
+    indices."""
 
     points: ShadingPoints
     lobes: Lobes
     place: np.ndarray
     normal: np.ndarray
+    data_place: np.ndarray
 
 
 class MissedRays(NamedTuple):
@@ -131,7 +133,7 @@ def develop_points(
     flat.depth[:] = NO_DEPTH
     layers["shadow_catcher"][:] = 1.0
     _write_background(scene, world, missed, flat)
-    _write_geometry(layers, scene, seen.points, seen.place)
+    write_geometry(layers, scene, seen.points, seen.data_place)
     own = seen.normal, seen.lobes, sums
     _write_points(seen.place, *own, float(scene.exposure), max_samples, flat)
     return layers
@@ -166,7 +168,7 @@ def filtered_layers(
     layers = new_layers(*size)
     layers["depth"][:] = NO_DEPTH
     layers["shadow_catcher"][:] = 1.0
-    _write_geometry(layers, scene, points, points.pixel)
+    write_geometry(layers, scene, points, points.pixel)
     passes = np.maximum(sums.passes, 1)[:, None]
     visibility = np.empty(len(passes))
     _visibilities(sums, visibility)
@@ -198,7 +200,7 @@ def filtered_layers(
     return layers
 
 
-def _write_geometry(layers, scene, points, place) -> None:
+def write_geometry(layers, scene, points, place) -> None:
     """Depth, position and indices: of the points, whatever the pixel filter, as in Cycles.
 
     Holdouts have none, as what is behind all.

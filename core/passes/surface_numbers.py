@@ -26,6 +26,11 @@ class TileMist:
         clear = _clear_share(scene.asked.mist, scene.camera, points.position)
         np.add.at(self._clear, place, clear * points.through.mean(axis=1))
 
+    def add_panes(self, scene: Scene, panes: ShadingPoints, place: np.ndarray, taken) -> None:
+        """Add what shows nothing but takes a part of the light, float (k, 3)."""
+        clear = _clear_share(scene.asked.mist, scene.camera, panes.position)
+        np.add.at(self._clear, place, clear * taken.mean(axis=1))
+
     def values(self, rows, passes: np.ndarray) -> np.ndarray:
         """(k, 1): the layer of the pixels ``rows``."""
         return 1.0 - (self._clear[rows] / passes)[:, None]
@@ -39,8 +44,8 @@ class TileUv:
     def __init__(self, n: int):
         self._sum = np.zeros((n, 3))
 
-    def add(self, scene: Scene, points: ShadingPoints, place: np.ndarray) -> None:
-        """Add points, int32 (k,) place: which pixel each belongs to."""
+    def add(self, scene: Scene, points: ShadingPoints, place: np.ndarray, weight=None) -> None:
+        """Add points, int32 (k,) place: which pixel each belongs to; weight: (k,), None = 1."""
         mesh, maps = scene.mesh, scene.asked.uv
         points = points_at_rest(scene.pose, mesh, points)
         triangle = points.triangle
@@ -50,7 +55,7 @@ class TileUv:
         mirrored = maps.mirrored[mesh.object_index[triangle]]
         interpolate(maps.corners, maps.row, triangle, mirrored, weights, uv)
         value = np.append(uv, maps.row[triangle, None] >= 0, axis=1)
-        np.add.at(self._sum, place, value)
+        np.add.at(self._sum, place, value if weight is None else value * weight[:, None])
 
     def values(self, rows, passes: np.ndarray) -> np.ndarray:
         """(k, 3): the layer of the pixels ``rows``."""

@@ -12,9 +12,11 @@ from ..geometry.shading import ShadingPoints
 from ..scene import HOLDOUT, Scene
 from ..surfaces.roughness import TileRoughness
 from ..surfaces.shader_values import TileAov
-from .catchers import plays
+from .catchers import are_whole_holes, plays
 from .cryptomatte import TileMattes
 from .surface_numbers import TileMist, TileUv
+
+_OF_WHOLE = (TileUv, TileRoughness, TileVectors)  # as whole_surfaces.py says, where it is asked for
 
 
 class SurfacePasses:
@@ -39,22 +41,40 @@ class SurfacePasses:
         """Whether there is anything to do."""
         return bool(self._kinds)
 
-    def add(self, scene: Scene, points: ShadingPoints, place: np.ndarray) -> None:
+    def add(self, scene: Scene, points: ShadingPoints, place: np.ndarray, own=None) -> None:
         """Add points to their pixels, of which holdouts show nothing but what their nodes write.
 
         scene: at their slice of the shutter's time; place: int32 (k,), -1 = none
+        own: of WholeSurfaces; None: all count
         """
         if not self.wanted:
             return
+        own = np.ones(len(place), np.float32) if own is None else own
         inside = place >= 0
         if not inside.all():
-            points, place = points.at(inside), place[inside]
+            points, place, own = points.at(inside), place[inside], own[inside]
         shown = ~plays(scene, points, HOLDOUT)
+        solid = shown if scene.asked.solid is None else ~are_whole_holes(scene, points)
         for kind in self._kinds:
-            if shown.all() or isinstance(kind, TileAov):
+            which = solid if isinstance(kind, (TileMist, *_OF_WHOLE)) else shown
+            if isinstance(kind, _OF_WHOLE):
+                which = which & (own > 0.0)
+            if which.all() or isinstance(kind, TileAov):
                 kind.add(scene, points, place)
             else:
-                kind.add(scene, points.at(shown), place[shown])
+                kind.add(scene, points.at(which), place[which])
+
+    def add_whole(self, scene: Scene, points: ShadingPoints, place: np.ndarray, weight) -> None:
+        """Add WholeSurfaces' points, none of holdouts, to their pixels."""
+        for kind in self._kinds:
+            if isinstance(kind, _OF_WHOLE):
+                kind.add(scene, points, place, weight)
+
+    def add_panes(self, scene: Scene, panes: ShadingPoints, place: np.ndarray, taken) -> None:
+        """Add WholeSurfaces' panes, none of holdouts, to their pixels."""
+        for kind in self._kinds:
+            if isinstance(kind, TileMist):
+                kind.add_panes(scene, panes, place, taken)
 
     def add_missed(self, scene: Scene, place: np.ndarray, directions: np.ndarray) -> None:
         """Add rays that see the world to their pixels, place: int32 (k,), -1 = none."""

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.program import Program
-from ..data.rows import any_in_row, row_means
+from ..data.rows import any_in_row, row_means, rows_of
 from ..embree.embree_hits import Gone, begin_rays
 from ..geometry.poses import points_at_rest, posed_points
 from ..geometry.round_points import is_round
@@ -37,6 +37,33 @@ class PassedPanes(NamedTuple):
     ray: np.ndarray
     far: np.ndarray
     color: np.ndarray
+
+
+class CrossedSurface(NamedTuple):
+    """Surfaces that rays meet and that let a part of them through.
+
+    points: with what comes there of the light as ``through``; color: float32 (n, 3), what goes on
+    going: float32 (n,), the probability that a ray does; goes: bool (n,), whether it has
+    """
+
+    points: ShadingPoints
+    color: np.ndarray
+    going: np.ndarray
+    goes: np.ndarray
+
+    def at(self, which: np.ndarray) -> CrossedSurface:
+        """Some of them."""
+        return CrossedSurface(self.points.at(which), *rows_of(self[1:], which))
+
+    @property
+    def opacity(self) -> np.ndarray:
+        """float32 (n,): what they take."""
+        return np.float32(1.0) - share_of(self.color)
+
+    @property
+    def is_drawn(self) -> np.ndarray:
+        """bool (n,): whether rays may end there, or go on."""
+        return (self.opacity > 0.0) & (self.going < 1.0)
 
 
 def opacity_gain(
@@ -161,18 +188,21 @@ def points_through(
     tints: np.ndarray | None = None,
     hits: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
     passed: list[PassedPanes] | None = None,
+    crossed: list[CrossedSurface] | None = None,
+    solid: float | None = None,
 ) -> ShadingPoints:
     """The points where camera rays end; ``pixel`` is the row of the ray, ascending.
 
     reach: float32 (n,), metres from origins, beyond which nothing is seen
     dither: float (n,) in [0, 1): a ray goes on where it is below the share that passes; over that
-        share it is the number for the next surface; None: where half or more passes
+        share it is the number for the next surface; None: through what is less opaque than solid
     most: of RenderSettings.transparent_max_bounces; of what a ray meets beyond these surfaces it
         shows what glows alone, as in Cycles
     tints: float32 (n, 3), of ones; gets ShadingPoints.through of each ray, those too that hit
         nothing in the end
     hits: what rays meet, as of accel.intersect, and nothing after that; None: it is asked
-    passed: gets what rays go through
+    passed, crossed: get what rays go through, and all that may let them
+    solid: 0 to 1, None: half, and panes, which let all rays through
     """
     tints = np.ones((len(origins), 3), np.float32) if tints is None else tints
     slots = accel.slots(len(origins)) if hits is None else None
@@ -184,7 +214,11 @@ def points_through(
         return points
     ended, numbers = [], None if dither is None else np.array(dither, np.float64)
     for n in range(1, scene.shaders.passes_of_camera(most) + 1):
-        goes, colors = _going_on(scene, points, numbers)
+        goes, colors, met = _going_on(scene, points, numbers, solid)
+        if crossed is not None:
+            crossed.append(
+                met._replace(points=met.points._replace(through=tints[met.points.pixel]))
+            )
         ended.append(points.at(~goes))
         points = points.at(goes)
         tints[points.pixel] *= colors
@@ -209,18 +243,22 @@ def _points_met(scene: Scene, hits, directions) -> ShadingPoints:
     return posed_points(scene.pose, scene.mesh, *hits, directions, scene.terminator_offset)
 
 
-def _going_on(scene: Scene, points: ShadingPoints, numbers) -> tuple[np.ndarray, np.ndarray]:
-    """(bool (n,), at which points rays go on; float32 (m, 3), what these bring of what is behind).
+def _going_on(scene: Scene, points: ShadingPoints, numbers, solid):
+    """(bool (n,), at which points rays go on; float32 (m, 3), what these bring of what is behind;
+    CrossedSurface).
 
     numbers: float64, of all rays, those of rays that go on become the ones for the next surface; or
-    None, where rays go on through what lets half or more pass
+    None, and solid as of points_through
     """
     color, passing = _passing_colors(scene, points, False)
     number = np.full(len(passing), 0.5) if numbers is None else numbers[points.pixel]
-    goes = number < passing
+    goes, opacity = number < passing, np.float32(1.0) - share_of(color)
     if numbers is not None:
         numbers[points.pixel[goes]] = number[goes] / passing[goes]
-    return goes, color[goes] / passing[goes, None]
+    elif solid is not None:
+        goes = (opacity < np.float32(solid)) & (passing > 0.0)
+    met = CrossedSurface(points, color, passing, goes).at(opacity < 1.0)
+    return goes, color[goes] / passing[goes, None], met
 
 
 def _points_behind(

@@ -27,16 +27,17 @@ class TileRoughness:
     def __init__(self, n: int):
         self._sum, self._hits = np.zeros((2, n))
 
-    def add(self, scene: Scene, points: ShadingPoints, place: np.ndarray) -> None:
-        """See SurfacePasses.add."""
-        rough, weight = np.zeros((2, len(place)))
+    def add(self, scene: Scene, points: ShadingPoints, place: np.ndarray, weight=None) -> None:
+        """See SurfacePasses.add; weight: (k,), None = 1."""
+        rough, shares = np.zeros((2, len(place)))
         for of, lobes in _lobes_of(scene, points):
             for own, share in _roughnesses(lobes):
                 rough[of] += share * own
-                weight[of] += share
-        mean = np.divide(rough, weight, out=np.ones_like(rough), where=weight > 0.0)
-        np.add.at(self._sum, place, mean)
-        np.add.at(self._hits, place, 1.0)
+                shares[of] += share
+        mean = np.divide(rough, shares, out=np.ones_like(rough), where=shares > 0.0)
+        weight = 1.0 if weight is None else weight
+        np.add.at(self._sum, place, mean * weight)
+        np.add.at(self._hits, place, weight)
 
     def values(self, rows, passes: np.ndarray) -> np.ndarray:
         """(k, 1): the layer of the pixels ``rows``."""

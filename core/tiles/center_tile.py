@@ -12,10 +12,11 @@ from ..data.rows import any_in_row
 from ..film import Tile
 from ..lamplight.lamp_glow import lamp_glow, shown_lamps
 from ..passes.ambient_occlusion import TileOcclusion
-from ..passes.catchers import Roles, hide_roles, plays, show_caught
-from ..passes.develop import MissedRays, PlacedPoints, develop_points
+from ..passes.catchers import Roles, are_whole_holes, hide_roles, plays, show_caught
+from ..passes.develop import MissedRays, PlacedPoints, develop_points, write_geometry
 from ..passes.light_groups import TileGroups
 from ..passes.surface_passes import SurfacePasses
+from ..passes.whole_surfaces import WholeSurfaces
 from ..products.guide import Guides, new_guides
 from ..sampling.incremental import PixelSums, new_sums
 from ..sampling.neighbours import CELL_PX, cell_order
@@ -24,7 +25,17 @@ from ..scene import HOLDOUT, SHADOW_CATCHER
 from ..surfaces.merged_layers import merge_layers, shown_normals, turns_normals
 from ..surfaces.seen_points import ClosureLayer, with_all_lobes
 from .sample_plan import WHOLE_SHARE, Demand, dither_of, powers
-from .tile_job import Job, Rect, TileCounts, add_samples, frame_places, trace_points, whole_cells
+from .tile_job import (
+    Job,
+    Rect,
+    TileCounts,
+    add_samples,
+    asked_crossed,
+    frame_places,
+    trace_points,
+    trace_whole,
+    whole_cells,
+)
 from .tile_lamps import TileLamps
 
 
@@ -49,6 +60,8 @@ class CenterTile:
         self._missed: MissedRays | None = None
         self._glow: tuple[np.ndarray, np.ndarray] | None = None
         self._places = np.zeros(0, np.int32)
+        self._own: np.ndarray | None = None  # of WholeSurfaces, a row each of the points
+        self._whole_surfaces: WholeSurfaces | None = None  # with pixels of the tile, none outside
         self._lamps: TileLamps | None = None
         self._occlusion: TileOcclusion | None = None
         self._traced = self._primary = 0
@@ -103,7 +116,13 @@ class CenterTile:
         layers = develop_points(
             scene,
             self._job.seen_world,
-            PlacedPoints(points, seen.lobes, self._places, normal),
+            PlacedPoints(
+                points,
+                seen.lobes,
+                self._places,
+                normal * self._own[:, None],
+                np.where(self._own > 0.0, self._places, -1),
+            ),
             self._missed,
             sums,
             self.rect[2:],
@@ -129,10 +148,34 @@ class CenterTile:
         """Write what needs no light."""
         scene, missed = self._job.scene, self._missed
         surface = SurfacePasses(scene, self.rect.width * self.rect.height)
-        surface.add(scene, points, self._places)
+        surface.add(scene, points, self._places, self._own)
+        if self._whole_surfaces is not None:
+            self._write_whole(surface, layers)
         looks = any_in_row(missed.directions)
         surface.add_missed(scene, missed.place[looks], missed.directions[looks])
         surface.write(layers, slice(None), np.ones(1, np.int32))
+
+    def _write_whole(self, surface, layers) -> None:
+        """Write what data passes have in place of the points."""
+        scene, whole = self._job.scene, self._whole_surfaces
+        surface.add_panes(scene, whole.panes, whole.panes.pixel, whole.taken)
+        self._add_panes_occlusion(whole, layers)
+        shown = ~are_whole_holes(scene, whole.points)
+        points, weight = whole.points.at(shown), whole.weight[shown]
+        if not len(weight):
+            return
+        surface.add_whole(scene, points, points.pixel, weight)
+        write_geometry(layers, scene, points, points.pixel)
+        normal = points.facing_viewer().normal
+        if turns_normals(scene):
+            normal = shown_normals(with_all_lobes(scene, points))
+        layers["normal"].reshape(-1, 3)[points.pixel] += normal * weight[:, None]
+
+    def _add_panes_occlusion(self, whole, layers) -> None:
+        if self._occlusion.wanted and len(whole.taken):
+            places = frame_places(self.rect, whole.panes.pixel)
+            own = self._occlusion.panes_at_once(whole.panes, whole.taken, places)
+            np.add.at(layers["ambient_occlusion"].reshape(-1, 3), whole.panes.pixel, own)
 
     def _write_groups(self, points, place, emission, layers) -> None:
         """Write the layers of light groups; place: of what is seen itself, -1 = none."""
@@ -157,7 +200,7 @@ class CenterTile:
 
     def rest(self) -> None:
         """See TileWork."""
-        self._layers = self._missed = self._glow = None
+        self._layers = self._missed = self._glow = self._whole_surfaces = None
 
     def counts(self) -> TileCounts:
         """See TileWork."""
@@ -195,8 +238,10 @@ class CenterTile:
         self._primary += len(rays.origins)
         tints = np.ones((len(pixel), 3), np.float32)
         shown = shown_lamps(scene.lamps)
-        passed = None if shown is None else []
-        points = trace_points(self._job, rays, dither_of(columns, rows), tints, passed)
+        passed, crossed = None if shown is None else [], asked_crossed(scene)
+        points = trace_points(self._job, rays, dither_of(columns, rows), tints, passed, crossed)
+        whole = trace_whole(self._job, rays, points, crossed)
+        self._own = np.ones(len(points.pixel), np.float32) if whole is None else whole.own
         missed = np.ones(len(pixel), np.bool_)
         missed[points.pixel] = False
         places = places_in(self.rect, columns, rows)
@@ -205,6 +250,11 @@ class CenterTile:
             groups = len(scene.asked.groups.layers)
             self._glow = places, lamp_glow(shown, rays, points, groups, passed)
         self._places = places[points.pixel]
+        if whole is not None:
+            inside = np.ones(self.rect.width * self.rect.height + 1, np.bool_)
+            inside[-1] = False  # that of the place -1
+            whole = whole.of_pixels(places, inside)
+        self._whole_surfaces = whole
         bounds = np.searchsorted(points.pixel, ends)  # points.pixel: rows of the rays, ascending
         layers = with_all_lobes(scene, points._replace(pixel=pixel[points.pixel]))
         self._bounds = [np.searchsorted(layer.of, bounds).astype(np.int32) for layer in layers]

@@ -36,7 +36,9 @@ from .tile_job import (
     Job,
     Rect,
     TileCounts,
+    asked_crossed,
     trace_points,
+    trace_whole,
     whole_cells,
 )
 
@@ -119,7 +121,8 @@ class FilteredTile:
         """See TileWork."""
         x, y, width, height = self.rect
         scene = self._job.scene
-        points = trace_points(self._job, camera_rays(scene.camera, *self.rect))
+        rays = camera_rays(scene.camera, *self.rect)
+        points = trace_points(self._job, rays, solid=scene.asked.solid)
         self._primary += width * height
         inside = self._inside(self.rect)
         sums = PassSums(*(column[inside] for column in self._sums))
@@ -175,9 +178,9 @@ class FilteredTile:
         """
         rays, parts = self._next_rays(pixels, counts), []
         for job, looked, time in self._in_time(rays):
-            points, numbers, missed, glow = self._look(job, looked, time)
+            seen, missed, glow = self._look(job, looked, time)
             self._sampler.look_at(job)
-            found = self._sampler.gather(points, numbers)
+            found = self._sampler.gather(*seen)
             parts.append((job, found, missed, glow))
         if self._passes and self._job.stop.is_set():
             return False
@@ -220,13 +223,14 @@ class FilteredTile:
             yield self._job.slices[k], rays.at(slices == k), float(times[k])
 
     def _look(self, job: Job, own: PassRays, time):
-        """What rays see: (points, their passes, (pixels that see the world, their directions and
+        """What rays see: (for PassSampler.gather, (pixels that see the world, their directions and
         ShadingPoints.through), (pixels, what lamp_glow says of them) or None)."""
         pilot, looked = self._passes < PILOT, own.pixel
         rays = self._rays(own, time)
         tints = np.ones((len(looked), 3), np.float32)
-        passed = None if self._shown is None else []
-        points = trace_points(job, rays, self._dither(own), tints, passed)
+        passed, crossed = None if self._shown is None else [], asked_crossed(job.scene)
+        points = trace_points(job, rays, self._dither(own), tints, passed, crossed)
+        whole = trace_whole(job, rays, points, crossed)
         glow, groups = None, len(self._job.scene.asked.groups.layers)
         if self._shown is not None:
             glow = looked, lamp_glow(self._shown, rays, points, groups, passed)
@@ -240,8 +244,13 @@ class FilteredTile:
             self._silhouettes.note(looked[missed], looks, points)
             inside = self._cell >= 0
             missed = missed[inside[looked[missed]]]
-            numbers, points = numbers[inside[points.pixel]], points.at(inside[points.pixel])
-        return points, numbers, rows_of((looked, rays.directions, tints), missed), glow
+            kept = inside[points.pixel]
+            numbers, points = numbers[kept], points.at(kept)
+            whole = None if whole is None else whole.at(kept)
+        if whole is not None:
+            whole = whole.of_pixels(looked, self._cell >= 0)
+        seen = points, numbers, whole, own.number
+        return seen, rows_of((looked, rays.directions, tints), missed), glow
 
     def _dither(self, rays: PassRays) -> np.ndarray | None:
         """What cut-outs draw for them (cutouts.points_through), if there may be any."""

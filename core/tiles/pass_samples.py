@@ -12,10 +12,11 @@ from ..camera.pass_rays import PILOT, samples_of_a_pass
 from ..data.channels import LUMINANCE
 from ..geometry.shading import ShadingPoints
 from ..passes.ambient_occlusion import TileOcclusion
-from ..passes.catchers import CaughtPasses, has_role, plays
+from ..passes.catchers import CaughtPasses, are_whole_holes, has_role, plays
 from ..passes.light_groups import TileGroups
 from ..passes.pass_sums import PassSums, add_seen
 from ..passes.surface_passes import SurfacePasses
+from ..passes.whole_surfaces import WholeSurfaces
 from ..products.guide import new_guides
 from ..sampling.block_loop import PASSES_AT_ONCE
 from ..sampling.incremental import PixelSums, new_sums
@@ -68,28 +69,41 @@ class PassSampler:
         """All shadow rays so far."""
         return self.traced + self.lamps.traced + self.occlusion.traced
 
-    def gather(self, points: ShadingPoints, number: np.ndarray) -> list[tuple]:
+    def gather(
+        self,
+        points: ShadingPoints,
+        number: np.ndarray,
+        whole: WholeSurfaces | None,
+        numbers: np.ndarray,
+    ) -> list[tuple]:
         """Sample points of passes, int64, one for each point, by the samples that these have.
 
+        whole: what data passes have in their place, None = the points; numbers: of all rays
         Returns (function, arguments) for each kind of surface: to be called, adds it to the sums.
         """
         caught = plays(self._job.scene, points, SHADOW_CATCHER)
         hidden = plays(self._job.scene, points, HOLDOUT)
         plain, found = ~(caught | hidden), []
+        own = np.ones(len(number), np.float32) if whole is None else whole.own
         np.add.at(self._state.opaque, points.pixel[hidden], opacity_of(points.through[hidden]))
         if plain.any():
-            layers, own = self._layers_of(points, plain), number[plain]
+            layers, passes = self._layers_of(points, plain), number[plain]
             places = frame_places(self._around, layers[0].seen.points.pixel)
-            layers = walked_layers(self._job, layers, places, own)
-            sums = self._sample(self._job, layers, own)
-            found.append((self._add_seen, layers, sums, own))
+            layers = walked_layers(self._job, layers, places, passes)
+            sums = self._sample(self._job, layers, passes)
+            found.append((self._add_seen, layers, sums, passes, own[plain]))
         if caught.any():
             layers = self._layers_of(points, caught)
             job = dataclasses.replace(self._job, accel=self._job.accel.without_catchers)
             sums = self._sample(job, layers, number[caught])
-            found.append((self._add_caught, layers, sums, number[caught], job.accel))
+            found.append((self._add_caught, layers, sums, number[caught], own[caught], job.accel))
         if self.surface.wanted:
-            found.append((self.surface.add, self._job.scene, points, points.pixel))
+            found.append((self.surface.add, self._job.scene, points, points.pixel, own))
+        if whole is not None:
+            found.append((self._add_whole, whole, numbers))
+        if hidden.any() and self._job.scene.asked.solid is not None:
+            partly = hidden & ~are_whole_holes(self._job.scene, points)
+            found.append((self._add_partly, points.at(partly), number[partly], own[partly]))
         return found
 
     def show_caught(self, rows: np.ndarray, layers: dict[str, np.ndarray]) -> None:
@@ -100,22 +114,52 @@ class PassSampler:
     def _layers_of(self, points, which) -> list[ClosureLayer]:
         return with_all_lobes(self._job.scene, points if which.all() else points.at(which))
 
-    def _add_seen(self, layers, sums, number) -> None:
+    def _add_whole(self, whole: WholeSurfaces, numbers) -> None:
+        """Add what data passes have in place of points where rays have ended."""
+        scene, panes = self._job.scene, whole.panes
+        self.surface.add_panes(scene, panes, panes.pixel, whole.taken)
+        places = frame_places(self._around, panes.pixel)
+        self.occlusion.add_panes(panes, whole.taken, places, numbers[whole.ray])
+        shown = ~are_whole_holes(scene, whole.points)
+        points, weight = whole.points.at(shown), whole.weight[shown]
+        if not len(weight):
+            return
+        self.surface.add_whole(scene, points, points.pixel, weight)
+        self._add_normals(self._layers_of(points, shown[shown]), weight)
+
+    def _add_partly(self, points, number, own) -> None:
+        """Add what passes have of points that holdouts hide from the picture, by their share."""
+        if not len(number):
+            return
+        layers = self._layers_of(points, np.ones(len(number), np.bool_))
+        self._add_normals(layers, own)
+        first = layers[0].seen
+        facing, places = first.points.facing_viewer(), frame_places(self._around, points.pixel)
+        self.occlusion.add_pass(facing, first.lobes, places, number)
+
+    def _add_normals(self, layers, weight) -> None:
+        seen = layers[0].seen
+        seen = seen._replace(points=seen.points.facing_viewer())
+        normal = self._shown_normals(layers, seen) * weight[:, None]
+        np.add.at(self._state.normal, seen.points.pixel, normal)
+
+    def _add_seen(self, layers, sums, number, own) -> None:
         seen, sums = merge_layers(layers, sums)
         points = seen.points
         places = frame_places(self._around, points.pixel)
         self.lamps.add_pass(layers, places, number, sums)
         self.groups.add_emission(points, points.pixel, seen.lobes.emission)
         self.occlusion.add_pass(points, seen.lobes, places, number)
-        normal = self._shown_normals(layers, seen)
+        normal = self._shown_normals(layers, seen) * own[:, None]
         add_seen(points.pixel, normal, seen.lobes, sums, self._state)
 
-    def _add_caught(self, layers, sums, number, accel) -> None:
+    def _add_caught(self, layers, sums, number, weight, accel) -> None:
         seen, sums = merge_layers(layers, sums)
         places = frame_places(self._around, seen.points.pixel)
         sums = self.lamps.caught(layers, places, number, accel, sums)
         self.occlusion.add_pass(seen.points, seen.lobes, places, number)
-        own = seen, self._shown_normals(layers, seen), sums, self._state
+        normal = self._shown_normals(layers, seen) * weight[:, None]
+        own = seen, normal, sums, self._state
         self._caught.add(self._job.scene, self._job.seen_world, *own)
 
     def _shown_normals(self, layers, seen) -> np.ndarray:

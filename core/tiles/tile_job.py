@@ -24,6 +24,7 @@ from ..machine.turns import aside
 from ..machine.watch import StopFlag
 from ..paper_mode.paper import PaperSampler
 from ..paper_mode.paper_tables import PaperTables
+from ..passes.whole_surfaces import WholeSurfaces, whole_surfaces
 from ..products.guide import Guides
 from ..products.like_products import apart_of
 from ..sampling.block_loop import BLOCK_POINTS, CELL_POINTS, Places, Room, continue_blocks, new_room
@@ -33,6 +34,7 @@ from ..sampling.neighbours import CELL_PX, find_neighbours, long_blocks
 from ..sampling.stop_rule import Rule, asks_neighbours
 from ..sampling.unbiased_rays import UnbiasedSampler
 from ..scene import Camera, Scene
+from ..see_through.clear_materials import cut_materials
 from ..see_through.cutouts import points_through
 from ..settings import RenderSettings
 from ..surfaces.backdrop import Backdrop
@@ -127,17 +129,45 @@ def whole_cells(rect: Rect, camera: Camera) -> Rect:
 
 
 def trace_points(
-    job: Job, rays: CameraRays | SurfaceRays, dither=None, tints=None, passed=None
+    job: Job,
+    rays: CameraRays | SurfaceRays,
+    dither=None,
+    tints=None,
+    passed=None,
+    crossed=None,
+    solid=None,
 ) -> ShadingPoints:
     """The points that camera rays see; ``pixel`` is the row of the ray.
 
-    dither, tints, passed: of cutouts.points_through
+    dither, tints, passed, crossed, solid: of cutouts.points_through
     """
     origins, directions, reach = rays[:3]
     looks = _that_look(origins, directions)
     hits = rays.hits if isinstance(rays, SurfaceRays) else None
     most = job.settings.transparent_max_bounces
-    return points_through(job.scene, job.accel, *looks, reach, dither, most, tints, hits, passed)
+    own = looks[0], looks[1], reach, dither, most, tints, hits, passed, crossed, solid
+    return points_through(job.scene, job.accel, *own)
+
+
+def trace_whole(
+    job: Job, rays: CameraRays | SurfaceRays, points: ShadingPoints, crossed: list | None
+) -> WholeSurfaces | None:
+    """What data passes have in place of points, where rays have ended. crossed: None = nothing"""
+    if not crossed:
+        return None
+
+    def look(which, crossed):
+        some = CameraRays(*(column[which] for column in rays[:3]))
+        return trace_points(job, some, crossed=crossed, solid=job.scene.asked.solid)
+
+    return whole_surfaces(job.scene, points, crossed, len(rays.origins), look)
+
+
+def asked_crossed(scene: Scene) -> list | None:
+    """Room for what rays cross, of a scene whose passes ask for it."""
+    asked = scene.asked
+    asks = asked.solid is not None or asked.mist is not None or asked.occlusion_distance > 0.0
+    return [] if asks and cut_materials(scene) is not None else None
 
 
 def _that_look(origins, directions):

@@ -15,6 +15,7 @@ from .worlds.world import world_of
 _OCCLUSION_DISTANCE = 10.0
 _MIST = Mist(0.0, 100.0, 1.0)
 _POWERS = {"QUADRATIC": 2.0, "LINEAR": 1.0, "INVERSE_QUADRATIC": 0.5}
+_OF_WHOLE_SURFACES = ("normal", "uv", "vector", "z", "position", "object_index", "material_index")
 _UV = "uv:"  # the active map
 # What Cycles calls what has no material.
 _NO_MATERIAL = "default_surface"
@@ -36,7 +37,13 @@ def read_asked(depsgraph, geometry: MeshExport) -> AskedPasses:
     groups = read_groups(every, world, geometry.inventory.layer, geometry.inventory.groups)
     own = getattr(layer, "iwis", None)  # none where scripts export without the engine
     catcher = own is not None and own.use_pass_shadow_catcher
-    return AskedPasses(occlusion, mist, uv, mattes, groups, catcher=catcher)
+    solid = float(layer.pass_alpha_threshold) if _asks_data(layer) else None
+    return AskedPasses(occlusion, mist, uv, mattes, groups, catcher=catcher, solid=solid)
+
+
+def _asks_data(layer) -> bool:
+    """Whether a view layer has a pass that shows what is as opaque as its Alpha Threshold says."""
+    return any(getattr(layer, f"use_pass_{name}") for name in _OF_WHOLE_SURFACES)
 
 
 def occlusion_distance(depsgraph) -> float:
