@@ -52,11 +52,13 @@ class RenderJob:
     begun: whether a frame of it has begun
     interrupt: the command line's event; once it is set, all renders end as by a user's Esc
     rendering: the engine that Blender renders with, "" where it does not; a bake is not a render
+    around: the engines of the renders that a handler or a scene strip has begun this one inside of
     """
 
     current: ClassVar[RenderJob | None] = None
     interrupt: ClassVar[threading.Event] = threading.Event()
     rendering: ClassVar[str] = ""
+    around: ClassVar[list[str]] = []
 
     def __init__(self):
         self.records: list[RenderRecord] = []
@@ -151,6 +153,7 @@ def stats_by_frame(records: list[RenderRecord]) -> list[FrameStats]:
 
 @persistent
 def _on_render_init(scene, _depsgraph=None):
+    RenderJob.around.append(RenderJob.rendering)
     if scene.render.engine == ENGINE:
         job = RenderJob.start(keep_caches=scene.render.use_persistent_data)
         if is_farm_job() and scene.render.is_movie_format:
@@ -205,7 +208,7 @@ def _check(saved, scene) -> None:
 
 @persistent
 def _on_render_end(scene, _depsgraph=None):
-    RenderJob.rendering = ""
+    RenderJob.rendering = RenderJob.around.pop() if RenderJob.around else ""
     job = RenderJob.current
     if job is not None and job.layer_turned_on in scene.view_layers:
         scene.view_layers[job.layer_turned_on].use = False
@@ -218,6 +221,7 @@ def _on_render_end(scene, _depsgraph=None):
 @persistent
 def _on_load(_path=None, _depsgraph=None):
     RenderJob.current = None
+    RenderJob.around.clear()
 
 
 _HANDLERS = (

@@ -202,3 +202,30 @@ def test_film_is_kept_and_saved_where_asked(cube_scene, tmp_path):
     assert film["ViewLayer.Position"].shape == (24, 32, 3)
     with pytest.raises(RuntimeError, match="was not saved"):
         bpy.ops.iwis.save_film(filepath=str(tmp_path / "no" / "folder.exr"))
+
+
+@pytest.mark.parametrize("event", ["render_pre", "frame_change_post"])
+def test_a_handler_may_render(cube_scene, tmp_path, event):
+    """Another scene, before a frame: the frame has its picture all the same.
+
+    (One and the same scene inside itself ends Blender, whatever the engine.)
+    """
+    cube_scene.frame_end, begun = 1, []
+    cube_scene.copy().name = "Screen"
+
+    def render_within(scene, *_):
+        if scene.name != "Screen" and not begun:
+            begun.append(event)
+            bpy.ops.render.render(scene="Screen")
+
+    handlers = getattr(bpy.app.handlers, event)
+    handlers.append(render_within)
+    try:
+        cube_scene.render.filepath = str(tmp_path / "out_")
+        bpy.ops.render.render(animation=True)
+    finally:
+        handlers.remove(render_within)
+    (written,) = tmp_path.iterdir()
+    pixels = np.array(bpy.data.images.load(str(written)).pixels[:]).reshape(-1, 4)
+    assert begun and 0.2 < pixels[:, :3].mean() < 1.0
+    assert RenderJob.rendering == "" and not RenderJob.around
