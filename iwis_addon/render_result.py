@@ -5,6 +5,7 @@ from __future__ import annotations
 from .export import ExportError
 from .export.free_memory import free_memory_bytes
 from .passes import wanted_passes
+from .stereo import at_once
 
 _CHANNEL_BYTES = 4
 _COMBINED_BYTES = 4 * _CHANNEL_BYTES
@@ -43,7 +44,10 @@ def check_memory(engine, scene, view_layer) -> None:
     """
     width, height = result_size(engine)
     channels = sum(len(row.channel_ids) for row in wanted_passes(scene, view_layer))
-    needed = width * height * channels * len(result_views(engine)) * _CHANNEL_BYTES
+    views = result_views(engine)
+    # A view that arrives whole is held back once, and once more on its way.
+    copies = len(views) + (2 if at_once(views[0]) else 0)
+    needed = width * height * channels * copies * _CHANNEL_BYTES
     free = free_memory_bytes()
     if free is not None and needed > free:
         raise ExportError(

@@ -111,13 +111,13 @@ class FinalRender:
 
     def _render_view(self, view, scene, rows):
         films = self._new_films(view, scene.camera.region)
-        sink = BlenderSink(
-            self.engine, self.layer, view, rows, scene.camera.region, self.settings, films
-        )
+        region, whole = scene.camera.region, stereo.at_once(view)
+        sink = BlenderSink(self.engine, self.layer, view, rows, region, self.settings, films, whole)
         self.engine.update_stats("", "Loading; a machine's first render compiles for half a minute")
         try:
             stats = run_in_worker(lambda relay: self._render(scene, relay), sink)
         finally:
+            sink.finish()
             if sink.tiles_written:
                 self.delivered.add(view)
         if stats is None:

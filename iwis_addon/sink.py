@@ -29,6 +29,7 @@ class BlenderSink:
 
     region: (x0, y0, x1, y1) of the frame that the render result covers
     films: kept beside the result, each with a write_tile()
+    whole: hand Blender the view at finish(), at once (stereo.at_once)
     """
 
     def __init__(
@@ -40,9 +41,11 @@ class BlenderSink:
         region: tuple[int, int, int, int],
         settings: RenderSettings,
         films: Sequence = (),
+        whole: bool = False,
     ):
         self._engine, self._layer, self._view, self._rows = engine, layer, view, rows
         self._region, self._films, self._settings = region, films, settings
+        self._held: dict[str, np.ndarray] | None = {} if whole else None
         self._started = time.perf_counter()
         self._last_update = 0.0
         self.tiles_written = 0
@@ -50,24 +53,39 @@ class BlenderSink:
 
     def write_tile(self, tile: Tile) -> None:
         started = time.perf_counter()
-        result = self._engine.begin_result(
-            tile.x - self._region[0],
-            tile.y - self._region[1],
-            tile.width,
-            tile.height,
-            layer=self._layer,
-            view=self._view,
-        )
-        passes = result.layers[0].passes
-        for row in self._rows:
-            # foreach_set of float32: assigning to rect is some hundred times slower.
-            target = passes.find_by_name(row.name, self._view)
-            target.rect.foreach_set(self._pixels(row, tile).ravel())
-        self._engine.end_result(result)
+        if self._held is None:
+            pixels = {row.name: self._pixels(row, tile) for row in self._rows}
+            x, y = tile.x - self._region[0], tile.y - self._region[1]
+            self._deliver(x, y, tile.width, tile.height, pixels)
+        else:
+            self._hold(tile)
         for film in self._films:
             film.write_tile(tile)
         self.tiles_written += 1
         self.output_seconds += time.perf_counter() - started
+
+    def finish(self) -> None:
+        """Hand Blender what was held back; a view without a tile is left to others."""
+        if self._held:
+            x0, y0, x1, y1 = self._region
+            self._deliver(0, 0, x1 - x0, y1 - y0, self._held)
+
+    def _deliver(self, x: int, y: int, width: int, height: int, pixels: dict) -> None:
+        result = self._engine.begin_result(x, y, width, height, layer=self._layer, view=self._view)
+        passes = result.layers[0].passes
+        for name, values in pixels.items():
+            # foreach_set of float32: assigning to rect is some hundred times slower.
+            passes.find_by_name(name, self._view).rect.foreach_set(values.ravel())
+        self._engine.end_result(result)
+
+    def _hold(self, tile: Tile) -> None:
+        x0, y0, x1, y1 = self._region
+        x, y = tile.x - x0, tile.y - y0
+        for row in self._rows:
+            if row.layer in tile.layers:
+                shape = y1 - y0, x1 - x0, len(row.channel_ids)
+                whole = self._held.setdefault(row.name, np.zeros(shape, np.float32))
+                whole[y : y + tile.height, x : x + tile.width] = row.pixels(tile.layers)
 
     def _pixels(self, row: Pass, tile: Tile):
         """A pass of a tile, float32 (h, w, channels): as it is shown, where the tile has none.

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 
+import bpy
 import numpy as np
 
 from ..core.scene import Camera, Scene
 from .export.cameras.camera import camera_matrix, camera_optics
+
+
+def at_once(view: str) -> bool:
+    """Whether a view is to be handed to Blender whole, not tile by tile.
+
+    Blender 5.2's window stands for good where its image editor shows a stereo pair while parts of
+    it arrive: it takes the lock of the picture twice. Cycles' pictures arrive whole.
+    """
+    return bool(view) and not bpy.app.background
 
 
 def camera_of_view(engine, scene, exported: Scene, view: str) -> Camera:

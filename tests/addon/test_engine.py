@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from iwis.core.exr import read_exr_layers
+from iwis.iwis_addon import stereo
 from iwis.iwis_addon.job import RenderJob, stats_by_frame
+from iwis.iwis_addon.sink import BlenderSink
 from support.cycles_render import use_cycles
 from support.iwis_render import render_iwis, use_format
 
@@ -110,6 +112,37 @@ def test_both_eyes_see_what_cycles_sees(cube_scene, tmp_path, mode):
     stereo.convergence_mode, stereo.convergence_distance = mode, 3.0
     stereo.interocular_distance = 0.5
     assert views_differ_by(cube_scene, tmp_path, ("_L", "_R")) < 1e-4  # float32 of 5 m
+
+
+@pytest.mark.parametrize("way", ["border", "denoised", "cancelled"])
+def test_views_that_arrive_whole_are_the_same(cube_scene, tmp_path, monkeypatch, way):
+    """A window gets each eye's picture at once, all passes of it; after a cancel what is done."""
+    render, layer = cube_scene.render, cube_scene.view_layers[0]
+    render.use_multiview = render.use_border = render.use_crop_to_border = True
+    render.border_min_x, render.border_max_y = 0.26, 0.9
+    layer.use_pass_normal = layer.use_pass_cryptomatte_object = True
+    cube_scene.iwis.denoise, cube_scene.iwis.tile_px = way == "denoised", 8
+    results, end = [], BlenderSink._deliver
+    monkeypatch.setattr(BlenderSink, "_deliver", lambda *of: (results.append(of[1:5]), end(*of)))
+    if way == "cancelled":
+        monkeypatch.setattr(BlenderSink, "cancelled", lambda sink: sink.tiles_written >= 3)
+
+    def eyes(whole: bool) -> list:
+        monkeypatch.setattr(stereo, "at_once", lambda view: whole and bool(view))
+        results.clear()
+        use_format(cube_scene, "OPEN_EXR_MULTILAYER")
+        render.filepath = str(tmp_path / f"{whole}.exr")
+        bpy.ops.render.render(write_still=True)
+        return [read_exr_layers(tmp_path / f"{whole}_{side}.exr") for side in "LR"]
+
+    for expected, found in zip(eyes(False), eyes(True), strict=True):
+        assert expected.keys() == found.keys()
+        filled = found[COMBINED][..., 3] > 0.0
+        assert filled.any() and filled.all() == (way != "cancelled")
+        if way != "cancelled":
+            for name, pixels in expected.items():
+                assert (found[name] == pixels).all(), name
+    assert len(results) == 2 and {size[:2] for size in results} == {(0, 0)}
 
 
 def test_several_cameras_see_what_cycles_sees(cube_scene, tmp_path):
