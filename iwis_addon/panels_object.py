@@ -69,7 +69,8 @@ class IWIS_PT_object_terminator(_ObjectPanel, bpy.types.Panel):
     bl_parent_id = "OBJECT_PT_shading"
 
     def draw(self, context):
-        self.split_layout().prop(context.object, "shadow_terminator_geometry_offset")
+        offset = "shadow_terminator_geometry_offset"
+        self.split_layout().prop(context.object, offset, text="Geometry Offset")
 
 
 class IWIS_PT_object_light_group(_ObjectPanel, bpy.types.Panel):
