@@ -13,7 +13,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..bsdf.lobes import Lobes
-from ..bsdf.microfacet import basis, to_world
+from ..bsdf.microfacet import basis, dot, to_world
 from ..bsdf.sheen import diffuse_colors
 from ..data.rows import any_in_row
 from ..embree.accel import Accel, start_shadow_ray
@@ -97,16 +97,13 @@ class TileOcclusion:
         first = np.broadcast_to(first, n).astype(np.int64)
         sequence = _sequence(places, int(first.max(initial=0)) + count, self._settings)
         origins, directions = (np.zeros((n * count, 3), np.float32) for _ in range(2))
-        leaves = np.zeros(n * count, np.bool_)
         offset = np.float32(self._accel.offset)
         own = points, normal, sequence, first, count, offset
-        _fill_rays(*own, origins, directions, leaves)
-        which = np.flatnonzero(leaves)
-        reach = np.full(len(which), self._reach, np.float32)
-        met = self._accel.occluded(origins[which], directions[which], None, reach)
-        self.traced += len(which)
-        leaves[which] = ~met
-        return leaves.reshape(n, count).mean(axis=1)
+        _fill_rays(*own, origins, directions)
+        reach = np.full(n * count, self._reach, np.float32)
+        met = self._accel.occluded(origins, directions, None, reach)
+        self.traced += n * count
+        return 1.0 - met.reshape(n, count).mean(axis=1)
 
 
 def _normals(points, lobes) -> np.ndarray:
@@ -133,15 +130,17 @@ def _sequence(places, count, settings) -> PixelSequence:
 
 
 @kernel
-def _fill_rays(points, normal, sequence, first, count, offset, origins, directions, leaves):
-    """Write rays first[p] ... first[p] + count - 1 of each point p; whether they leave its face."""
+def _fill_rays(points, normal, sequence, first, count, offset, origins, directions):
+    """Write rays first[p] ... first[p] + count - 1 of each point p."""
     for p in range(len(points.pixel)):
         face, n = points.geometric_normal[p], normal[p]
-        below = points.lift_below[p]
-        side = n[0] * face[0] + n[1] * face[1] + n[2] * face[2]
+        side = dot(n, face)
         side = -_ONE if side < _ZERO else _ONE  # of a translucent closure
         up = (side * n[0], side * n[1], side * n[2])
         s, t = basis(up)
+        # A patch that is no higher than that is a flat face, rounded.
+        below, height = points.lift_below[p], dot(points.lift[p], points.lift[p])
+        lifted = below >= _ROUND or (below > _ZERO and height > offset * offset)
         for k in range(count):
             u, v = sequence_point(sequence, p, first[p] + k)
             radius, angle = np.float32(math.sqrt(u)), np.float32(2.0 * math.pi * v)
@@ -149,8 +148,9 @@ def _fill_rays(points, normal, sequence, first, count, offset, origins, directio
             z = np.float32(math.sqrt(1.0 - u))
             wx, wy, wz = to_world(s, t, up, x, y, z)
             m = p * count + k
-            above = face[0] * wx + face[1] * wy + face[2] * wz
-            # From the smooth patch over coarse faces, as Cycles' rays of this pass.
-            lifted = below > _ZERO and (above > _ZERO or below >= _ROUND)
-            leaves[m] = start_shadow_ray(points, p, wx, wy, wz, lifted, offset, origins, m)
+            # From the smooth patch over coarse faces, and through the face itself, where bumps let
+            # rays go below it: as Cycles' rays of this pass.
+            if not start_shadow_ray(points, p, wx, wy, wz, lifted, offset, origins, m):
+                for a in range(3):
+                    origins[m, a] = points.position[p, a] - offset * face[a]
             directions[m, 0], directions[m, 1], directions[m, 2] = wx, wy, wz

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 
 from iwis.core.data.asked_passes import AskedPasses
-from support.scenes import camera_at, constant_world, diffuse, floor, make_picture, make_scene, quad
+from support.scenes import (
+    camera_at,
+    constant_world,
+    diffuse,
+    floor,
+    make_picture,
+    make_scene,
+    quad,
+    sphere,
+)
 
 FILTERS = ("CENTER", "BOX")
 
@@ -37,6 +46,37 @@ def test_wall_hides_half():
     shown, _ = _pass([floor(1.0), wall], 1e5)
     nearest, farthest = shown[0].mean(), shown[-1].mean()
     assert abs(min(nearest, farthest) - 0.5) < 0.06 and max(nearest, farthest) < 0.6
+
+
+@pytest.mark.parametrize("pixel_filter", FILTERS)
+@pytest.mark.parametrize("offset", [0.0, 0.1])
+def test_rays_below_the_face_go_through_it(pixel_filter, offset):
+    """A floor alone is open whatever its normals say, as in Cycles: 60 degrees off it were .75."""
+    vertices, triangles, normals = floor(1.0)
+    tilted = np.broadcast_to(np.float32([0.75**0.5, 0.0, 0.5]), normals.shape)
+    camera = camera_at((0.0, 0.0, 0.6), (0.0, 0.01, 0.0), 8, 8, 0.6)
+    offset = np.float32([offset])
+    own = constant_world(), camera
+    scene = make_scene([(vertices, triangles, tilted)], [diffuse()], *own, terminator_offset=offset)
+    scene = dataclasses.replace(scene, asked=AskedPasses(occlusion_distance=10.0))
+    layers, _ = make_picture(scene, max_samples=64, pixel_filter=pixel_filter)
+    assert (layers["ambient_occlusion"] == 1.0).all()
+
+
+def test_coarse_smooth_balls_are_open_where_their_patches_are():
+    """Rays below the facet start from the smooth patch as well, as Cycles': a ball is open.
+
+    Without an offset those rays end in the ball.
+    """
+    camera = camera_at((0.0, -4.0, 0.6), (0.0, 0.0, 0.0), 32, 32, 0.5)
+    ball = [sphere(rings=8, smooth=True)], [diffuse()], constant_world(), camera
+    means = []
+    for offset in (0.0, 0.1):
+        scene = make_scene(*ball, terminator_offset=np.float32([offset]))
+        scene = dataclasses.replace(scene, asked=AskedPasses(occlusion_distance=10.0))
+        shown = make_picture(scene, max_samples=64, pixel_filter="CENTER")[0]["ambient_occlusion"]
+        means.append(shown[shown > 0.0].mean())
+    assert means[0] < 0.996 and means[1] > 0.9999
 
 
 def test_nothing_is_traced_that_is_not_wanted():
