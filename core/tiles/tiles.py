@@ -9,7 +9,7 @@ from __future__ import annotations
 from .tile_job import Rect
 
 # Tiles under a thread's hands one after another; those of the last ones that are cut in four.
-_TILES_A_THREAD, _CUT_A_THREAD = 4, 2
+_TILES_A_THREAD, _CUT_A_THREAD = 2, 1
 _LEAST_TILE, _LEAST_PART = 8, 32  # pixels; parts that are smaller cost more than the wait
 
 

@@ -38,10 +38,10 @@ def test_tiles_at_the_centre_come_first():
 
 
 def test_the_last_tiles_are_small():
-    """Two a thread are cut in four, for all others wait for the last; one thread waits for none."""
+    """One a thread is cut in four, for all others wait for the last; one thread waits for none."""
     region = (0, 0, 320, 192)
     sizes = [width for _, _, width, _ in tile_plan(region, 64, 2)]
-    assert sizes == [64] * 11 + [32] * 16
+    assert sizes == [64] * 13 + [32] * 8
     assert [width for _, _, width, _ in tile_plan(region, 64, 1)] == [64] * 15
 
 
