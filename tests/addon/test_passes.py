@@ -120,7 +120,10 @@ def test_file_has_every_pass_with_its_channels(cube_scene, tmp_path):
 @pytest.mark.parametrize("pixel_filter", ["CENTER", "BOX"])
 @pytest.mark.parametrize("metallic", [0.0, 1.0])
 def test_ambient_occlusion_has_the_normals_of_what_is_diffuse(scene, metallic, pixel_filter):
-    """As in Cycles: where there is gloss alone, its normal map says nothing, and all is open."""
+    """As in Cycles: where there is gloss alone, its normal map says nothing, and all is open.
+
+    A floor of which rays that go below it see another one, a metre lower.
+    """
     material = bpy.data.materials.new("Tilted")
     if not IS_5:
         material.use_nodes = True
@@ -132,6 +135,7 @@ def test_ambient_occlusion_has_the_normals_of_what_is_diffuse(scene, metallic, p
     tree.links.new(tilt.outputs["Normal"], principled.inputs["Normal"])
     bpy.ops.mesh.primitive_plane_add(size=20.0)
     bpy.context.object.data.materials.append(material)
+    bpy.ops.mesh.primitive_plane_add(size=60.0, location=(0.0, 0.0, -1.0))
     bpy.ops.object.camera_add(location=(0.0, 0.0, 3.0))
     scene.camera = bpy.context.object
     scene.iwis.pixel_filter = pixel_filter
