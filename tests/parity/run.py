@@ -1,13 +1,19 @@
 """Run cases and write docs/parity.md and its sheet: make parity.
 
-With words: only the cases that have one of them in their name, and nothing is written.
+With words: only the cases that have one of them in their name, and nothing is written. As many
+processes as processors share the cases.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
+
+import bpy
 
 import iwis
 
@@ -39,16 +45,22 @@ _OF_THE_SUITE = ("its emission depends on", "it gives no light")
 def main(words) -> int:
     """Run the cases whose name has one of the words, or all. Returns 0 if all agree."""
     say = sys.stdout.write
-    iwis.register()
-    chosen = [c for c in ALL_CASES if not words or any(w.lower() in c.name.lower() for w in words)]
+    names = [
+        case.name
+        for case in ALL_CASES
+        if not words or any(word.lower() in case.name.lower() for word in words)
+    ]
     rows, results = [], {}
-    with tempfile.TemporaryDirectory() as folder:
-        for case in chosen:
-            result = results[case.name] = run_case(case, Path(folder))
-            rows.append(_row(case.name, result))
+    workers = min(os.cpu_count(), max(len(names), 1))
+    fresh = get_context("spawn")  # Blender cannot be forked
+    own = str(Path(bpy.__file__).parents[2])  # where a worker would find a part of bpy alone
+    sys.path[:] = [folder for folder in sys.path if not folder.startswith(own)]
+    with ProcessPoolExecutor(workers, fresh, iwis.register) as pool:
+        for name, result in zip(names, pool.map(_run, names), strict=True):
+            results[name] = result
+            rows.append(_row(name, result))
             say(rows[-1])
             sys.stdout.flush()
-    iwis.unregister()
     bad = sum(not result.agrees for result in results.values())
     say(f"{len(rows)} cases, {bad} differ\n")
     if not words:
@@ -58,6 +70,13 @@ def main(words) -> int:
         )
         draw_sheet(results, docs / "pictures" / "parity.jpg")
     return int(bad > 0)
+
+
+def _run(name: str) -> Result:
+    """A case, in a worker."""
+    case = next(case for case in ALL_CASES if case.name == name)
+    with tempfile.TemporaryDirectory() as folder:
+        return run_case(case, Path(folder))
 
 
 def _row(name: str, result: Result) -> str:
