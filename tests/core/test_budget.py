@@ -21,6 +21,7 @@ from iwis.core.tiles.sample_plan import (
     powers,
     typical_for_rays,
 )
+from iwis.core.tiles.tiles import tile_plan
 from support.scenes import make_picture, varied_scene
 
 FILTERS = pytest.mark.parametrize("pixel_filter", ["CENTER", "BLACKMAN_HARRIS"])
@@ -127,6 +128,16 @@ def test_max_samples_ends_a_budget_with_a_word():
 def test_a_cancel_keeps_what_is_there(pixel_filter):
     """In mid-stage: all tiles of the first look have been delivered, whole and finite."""
 
+    scene = varied_scene(width=160, height=112)
+    settings = RenderSettings(
+        stop_rule="BUDGET",
+        target_samples=4096,
+        max_samples=1 << 16,
+        threads=2,
+        pixel_filter=pixel_filter,
+    )
+    first_look = len(tile_plan(scene.camera.region, settings.tile_px, settings.threads))
+
     class Cancelling(Film):
         tiles = 0
 
@@ -135,17 +146,9 @@ def test_a_cancel_keeps_what_is_there(pixel_filter):
             self.tiles += 1
 
         def cancelled(self):
-            return self.tiles > 22  # of 20: in the second stage
+            return self.tiles > first_look + 2  # in the second stage
 
-    scene = varied_scene(width=160, height=112)
     film = Cancelling(scene.camera.region)
-    settings = RenderSettings(
-        stop_rule="BUDGET",
-        target_samples=4096,
-        max_samples=1 << 16,
-        threads=2,
-        pixel_filter=pixel_filter,
-    )
     start = time.perf_counter()
     stats = render(scene, settings, film)
     assert stats.cancelled and time.perf_counter() - start < 30.0
