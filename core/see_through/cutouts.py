@@ -214,13 +214,12 @@ def points_through(
         return points
     ended, numbers = [], None if dither is None else np.array(dither, np.float64)
     for n in range(1, scene.shaders.passes_of_camera(most) + 1):
-        goes, colors, met = _going_on(scene, points, numbers, solid)
+        color, passing = _passing_colors(scene, points, False)
+        goes = _that_go_on(points, color, passing, numbers, solid)
         if crossed is not None:
-            crossed.append(
-                met._replace(points=met.points._replace(through=tints[met.points.pixel]))
-            )
+            crossed.append(_crossed(points, color, passing, goes, tints))
         ended.append(points.at(~goes))
-        points = points.at(goes)
+        points, colors = points.at(goes), color[goes] / passing[goes, None]
         tints[points.pixel] *= colors
         if passed is not None and len(points.pixel):
             passed.append(_passed(points, origins, colors))
@@ -243,22 +242,26 @@ def _points_met(scene: Scene, hits, directions) -> ShadingPoints:
     return posed_points(scene.pose, scene.mesh, *hits, directions, scene.terminator_offset)
 
 
-def _going_on(scene: Scene, points: ShadingPoints, numbers, solid):
-    """(bool (n,), at which points rays go on; float32 (m, 3), what these bring of what is behind;
-    CrossedSurface).
+def _that_go_on(points: ShadingPoints, color, passing, numbers, solid) -> np.ndarray:
+    """bool (n,), at which points rays go on. color, passing: of _passing_colors
 
     numbers: float64, of all rays, those of rays that go on become the ones for the next surface; or
     None, and solid as of points_through
     """
-    color, passing = _passing_colors(scene, points, False)
     number = np.full(len(passing), 0.5) if numbers is None else numbers[points.pixel]
-    goes, opacity = number < passing, np.float32(1.0) - share_of(color)
+    goes = number < passing
     if numbers is not None:
         numbers[points.pixel[goes]] = number[goes] / passing[goes]
     elif solid is not None:
+        opacity = np.float32(1.0) - share_of(color)
         goes = (opacity < np.float32(solid)) & (passing > 0.0)
-    met = CrossedSurface(points, color, passing, goes).at(opacity < 1.0)
-    return goes, color[goes] / passing[goes, None], met
+    return goes
+
+
+def _crossed(points: ShadingPoints, color, passing, goes, tints) -> CrossedSurface:
+    """Those of the points that may let their rays through; tints: of all rays, before these."""
+    met = CrossedSurface(points, color, passing, goes).at(share_of(color) > 0.0)
+    return met._replace(points=met.points._replace(through=tints[met.points.pixel]))
 
 
 def _points_behind(
