@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..light.pyramid import cell_beside, level_offset, spread_bits
+from ..light.pyramid import level_offset, spread_bits
 from .product import BASE_BEGIN, BASE_CELLS, BASE_LEVEL, BLOCK_BEGIN
 from .product_build import sum_base
 
@@ -51,13 +51,14 @@ class Guides(NamedTuple):
 class GuideRoom(NamedTuple):
     """Scratch: float32 (BASE_BEGIN + BASE_CELLS,), all levels over the cells; (BASE_CELLS,).
 
-    framed: the cells' counts row by row, and those over the square's border
+    framed: the cells' counts row by row, and those over the square's border; beside: without that
     """
 
     asked: np.ndarray
     free: np.ndarray
     ratio: np.ndarray
     framed: np.ndarray
+    beside: np.ndarray
 
 
 def new_guides(n: int) -> Guides:
@@ -72,7 +73,7 @@ def new_guides(n: int) -> Guides:
 
 def new_guide_room() -> GuideRoom:
     """One a thread."""
-    sizes = (BLOCK_BEGIN, BLOCK_BEGIN, BASE_CELLS, (_SIDE + 2, _SIDE + 2))
+    sizes = (BLOCK_BEGIN, BLOCK_BEGIN, BASE_CELLS, (_SIDE + 2, _SIDE + 2), (_SIDE, _SIDE))
     return GuideRoom(*(np.zeros(size, np.float32) for size in sizes))
 
 
@@ -114,32 +115,46 @@ def _count_cells(guide, room):
         room.asked[BASE_BEGIN + c], room.free[BASE_BEGIN + c] = asked * share, free * share
 
 
+@kernel(forceinline=True)
+def _quad(i, j):
+    """Where the four cells of rows 2 i, 2 i + 1 and columns 2 j, 2 j + 1 begin."""
+    below = spread_bits(np.int32(i)) << np.int32(1)
+    return BASE_BEGIN + ((spread_bits(np.int32(j)) | below) << np.int32(2))
+
+
 @kernel
 def _lay_out(counts, framed):
-    """Write the counts of the base row by row; what lies over a border follows it."""
-    for row in range(_SIDE):
-        below = spread_bits(np.int32(row)) << np.int32(1)
-        for column in range(_SIDE):
-            c = spread_bits(np.int32(column)) | below
-            framed[row + 1, column + 1] = counts[BASE_BEGIN + c]
-    for k in range(-1, _SIDE + 1):
-        framed[0, k + 1] = counts[BASE_BEGIN + cell_beside(-1, k, _SIDE)]
-        framed[_SIDE + 1, k + 1] = counts[BASE_BEGIN + cell_beside(_SIDE, k, _SIDE)]
-        framed[k + 1, 0] = counts[BASE_BEGIN + cell_beside(k, -1, _SIDE)]
-        framed[k + 1, _SIDE + 1] = counts[BASE_BEGIN + cell_beside(k, _SIDE, _SIDE)]
+    """Write the counts of the base row by row; what lies over a border follows it (cell_beside)."""
+    for i in range(_SIDE // 2):
+        upper, lower = framed[2 * i + 1], framed[2 * i + 2]
+        for j in range(_SIDE // 2):
+            c, k = _quad(i, j), 2 * j + 1
+            upper[k], upper[k + 1] = counts[c], counts[c + 1]
+            lower[k], lower[k + 1] = counts[c + 2], counts[c + 3]
+    first, last = 1, _SIDE
+    for k in range(first, last + 1):
+        other = _SIDE + 1 - k
+        framed[0, k], framed[_SIDE + 1, k] = framed[first, other], framed[last, other]
+        framed[k, 0], framed[k, _SIDE + 1] = framed[other, first], framed[other, last]
+    framed[0, 0], framed[0, _SIDE + 1] = framed[last, last], framed[last, first]
+    framed[_SIDE + 1, 0], framed[_SIDE + 1, _SIDE + 1] = framed[first, last], framed[first, first]
 
 
 @kernel
-def _look_around(counts, framed):
-    """Write over the counts of the base those of the eight cells beside each."""
+def _look_around(counts, framed, beside):
+    """Write over the counts of the base those of the eight cells beside each; beside: scratch."""
     _lay_out(counts, framed)
     for row in range(_SIDE):
         above, own, under = framed[row], framed[row + 1], framed[row + 2]
-        below = spread_bits(np.int32(row)) << np.int32(1)
         for j in range(_SIDE):
             near = above[j] + above[j + 1] + above[j + 2] + own[j] + own[j + 2]
-            near += under[j] + under[j + 1] + under[j + 2]
-            counts[BASE_BEGIN + (spread_bits(np.int32(j)) | below)] = near
+            beside[row, j] = near + (under[j] + under[j + 1] + under[j + 2])
+    for i in range(_SIDE // 2):
+        upper, lower = beside[2 * i], beside[2 * i + 1]
+        for j in range(_SIDE // 2):
+            c, k = _quad(i, j), 2 * j
+            counts[c], counts[c + 1] = upper[k], upper[k + 1]
+            counts[c + 2], counts[c + 3] = lower[k], lower[k + 1]
 
 
 @kernel
@@ -161,8 +176,8 @@ def learn(guide, taken, room):
     sum_base(asked)
     sum_base(part)
     _find_parts(asked, part)
-    _look_around(asked, room.framed)
-    _look_around(part, room.framed)
+    _look_around(asked, room.framed, room.beside)
+    _look_around(part, room.framed, room.beside)
     least = np.sqrt(_DOUBT / (np.float32(np.sum(guide.asked[0])) + _ONE))
     above, beside = level_offset(BASE_LEVEL - 1), room.ratio
     for k in range(BASE_CELLS // 4):

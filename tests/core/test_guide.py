@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from iwis.core.light.pyramid import morton_to_row_column
+from iwis.core.light.pyramid import cell_beside, morton_to_row_column
 from iwis.core.machine.lanes import new_lanes
 from iwis.core.products.guide import (
     learn,
@@ -105,6 +105,18 @@ def test_what_is_beside_a_cell_goes_on_over_the_squares_border():
     gain = _taught(np.full(1024, 20), free)[0].gain[0]
     opposite = gain[(rows == 31) & (columns >= 20)]
     assert opposite.min() > 4.0 * gain[(rows == 29) & (columns >= 20)].max()
+
+
+def test_all_eight_are_counted_at_the_borders_too():
+    """What learn() leaves in its room are the rays of the eight cells beside each, as cell_beside
+    names them: over an edge of the square, and over its corners."""
+    asked = np.random.default_rng(4).integers(0, 20, 1024)
+    _, room = _taught(asked, asked // 2)
+    around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
+    for c in range(1024):
+        row, column = morton_to_row_column(c)
+        near = [cell_beside(np.int32(row + i), np.int32(column + j), 32) for i, j in around]
+        assert room.asked[BASE_BEGIN + c] == asked[near].sum()
 
 
 def test_full_counts_add_up():
