@@ -19,7 +19,7 @@ from ..machine.watch import Cancelled
 from ..scene import TriangleMesh
 from .embree import EmbreeScene, can_filter
 from .embree_filter import LookFilter, Opacity, ShadowFilter
-from .embree_hits import Gone, begin_rays, intersect_block
+from .embree_hits import Gone, begin_rays, intersect_block, intersect_together
 from .embree_rays import ALL_COLORS, NOTHING, Traversal, occluded_block, occluded_within
 from .triangle_pairs import Pairs, count_as_triangles, paired
 
@@ -184,10 +184,14 @@ def nearest_hits(
 ):
     """Embree's own (face, u, v) of the nearest hits, and the instance's number, int32 (n,)."""
     n = len(origins)
-    gone = begin_rays(n) if gone is None else gone
     triangle, instance = np.empty(n, np.int32), np.empty(n, np.int32)
     u, v = np.empty(n, np.float32), np.empty(n, np.float32)
-    intersect_block(traversal, origins, directions, gone, triangle, instance, u, v)
+    found = triangle, instance, u, v
+    if gone is None and traversal.intersect8 != 0:
+        intersect_together(traversal, origins, directions, np.empty(n, np.float32), *found)
+    else:
+        gone = begin_rays(n) if gone is None else gone
+        intersect_block(traversal, origins, directions, gone, *found)
     return triangle, u, v, instance
 
 

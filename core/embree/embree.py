@@ -43,6 +43,8 @@ _ERRORS = (
 )
 _SMALLEST_PAGE = 4096
 _HANDLE, _SIZE = ctypes.c_void_p, ctypes.c_size_t
+# RTCIntersectArguments: flags (RTC_RAY_QUERY_FLAG_COHERENT), features (all), context, functions.
+_COHERENT = (ctypes.c_uint32 * 8)(1 << 16, 0xFFFFFFFF)
 _SIGNATURES = {
     "rtcNewDevice": (_HANDLE, [ctypes.c_char_p]),
     "rtcRetainDevice": (None, [_HANDLE]),
@@ -228,14 +230,15 @@ class EmbreeScene:
     def traversal(self) -> Traversal:
         """What kernels trace rays with, while this object lives."""
         library = self._library
-        one, eight, sixteen, nearest = (
-            ctypes.cast(getattr(library, name), _HANDLE).value
-            for name in ("rtcOccluded1", "rtcOccluded8", "rtcOccluded16", "rtcIntersect1")
+        names = ("Occluded1", "Occluded8", "Occluded16", "Intersect1", "Intersect8")
+        one, eight, sixteen, nearest, sheaf = (
+            ctypes.cast(getattr(library, f"rtc{name}"), _HANDLE).value for name in names
         )
-        eight *= bool(library.rtcGetDeviceProperty(self.device, _NATIVE_PACKETS_OF_8))
+        has_eight = bool(library.rtcGetDeviceProperty(self.device, _NATIVE_PACKETS_OF_8))
         sixteen *= bool(library.rtcGetDeviceProperty(self.device, _NATIVE_PACKETS_OF_16))
         colored = self._filter is not None and self._filter.colored
-        return Traversal(self.handle, one, eight, nearest, colored, self._aside, sixteen)
+        own = self.handle, one, eight * has_eight, nearest, colored, self._aside, sixteen
+        return Traversal(*own, intersect8=sheaf * has_eight, coherent=ctypes.addressof(_COHERENT))
 
     def close(self) -> None:
         """Free the hierarchy; it must not be asked any more."""

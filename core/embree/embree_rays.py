@@ -22,9 +22,9 @@ import numpy as np
 from .._jit import kernel
 from ..machine.addresses import call, get_float, get_int, put, stack
 
-_WIDTH, _MOST = 8, 16  # rays of a packet
+WIDTH, _MOST = 8, 16  # rays of a packet
 _RAY, _ID = 12, 10
-_PACKET, _WIDEST = _RAY * _WIDTH, _RAY * _MOST
+_PACKET, _WIDEST = _RAY * WIDTH, _RAY * _MOST
 _FOREVER = np.float32(np.inf)
 _ZERO = np.float32(0.0)
 _ALL = np.uint32(0xFFFFFFFF)  # every bit of a mask; a lane in use; no triangle
@@ -42,12 +42,13 @@ class Traversal(NamedTuple):
     It keeps nothing alive: the Accel that made it must be held as long.
 
     scene: RTCScene; 0 = no triangle at all
-    occluded1, occluded8, intersect1, occluded16: where these functions of Embree begin; those for 8
-        and 16 rays are 0 where the processor has no registers for so many
+    occluded1, occluded8, intersect1, occluded16, intersect8: where these functions of Embree begin;
+        those for 8 and 16 rays are 0 where the processor has no registers for so many
     colored: whether red, green and blue light may be blocked each for itself
     aside: float, metres that a ray which is asked again starts beside the first one; 0: no ray
         slips through, none is asked again
     time: 0 to 1, when rays see what changes its shape (Embree's motion blur)
+    coherent: where the arguments are by which intersect8 takes its rays for a sheaf
     """
 
     scene: int
@@ -58,6 +59,8 @@ class Traversal(NamedTuple):
     aside: float = 0.0
     occluded16: int = 0
     time: float = 0.0
+    intersect8: int = 0
+    coherent: int = 0
 
 
 NOTHING = Traversal(0, 0, 0, 0)
@@ -161,13 +164,13 @@ def _same_start(o, a, b):
 def _fill_packet(packet, valid, o, d, k, n):
     """Put ray k and those after it that start where it starts into a packet; returns how many."""
     size = 0
-    while size < _WIDTH and k < n and (size == 0 or _same_start(o, k - 1, k)):
+    while size < WIDTH and k < n and (size == 0 or _same_start(o, k - 1, k)):
         lane = packet + 4 * size
-        put_ray(lane, 4 * _WIDTH, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
+        put_ray(lane, 4 * WIDTH, o[k, 0], o[k, 1], o[k, 2], d[k, 0], d[k, 1], d[k, 2])
         put(valid + 4 * size, _ALL)
         size += 1
         k += 1
-    for unused in range(size, _WIDTH):
+    for unused in range(size, WIDTH):
         put(valid + 4 * unused, _ZERO)
     return size
 
@@ -180,18 +183,18 @@ def _forget_colors(packet, width):
 
 @kernel(forceinline=True)
 def _occluded_packets(traversal, origins, directions, n, colors, out):
-    packet, valid = stack(_PACKET), stack(_WIDTH)
-    for lane in range(_WIDTH):
-        put_constants(packet + 4 * lane, 4 * _WIDTH, traversal.time)
-        put_ray(packet + 4 * lane, 4 * _WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
+    packet, valid = stack(_PACKET), stack(WIDTH)
+    for lane in range(WIDTH):
+        put_constants(packet + 4 * lane, 4 * WIDTH, traversal.time)
+        put_ray(packet + 4 * lane, 4 * WIDTH, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO)
     k = 0
     while k < n:
         size = _fill_packet(packet, valid, origins, directions, k, n)
         if traversal.colored:
-            _forget_colors(packet, _WIDTH)
+            _forget_colors(packet, WIDTH)
         call(traversal.occluded8, (valid, traversal.scene, packet, 0))
         for lane in range(size):
-            out[k + lane] = _blocked_colors(packet + 4 * lane, 4 * _WIDTH) & colors
+            out[k + lane] = _blocked_colors(packet + 4 * lane, 4 * WIDTH) & colors
         k += size
 
 
@@ -274,7 +277,7 @@ def occluded_lanes(traversal, numbers, origin, direction, row, ray, n, together,
     if traversal.occluded8 == 0:
         _lanes_one_by_one(traversal, numbers, origin, direction, row, ray, n, seen)
         return
-    width, occluded = _WIDTH, traversal.occluded8
+    width, occluded = WIDTH, traversal.occluded8
     if traversal.occluded16 != 0 and together >= _MOST:
         width, occluded = _MOST, traversal.occluded16
     packet, valid, bytes_a_row = stack(_WIDEST), stack(_MOST), 4 * width

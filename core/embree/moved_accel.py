@@ -67,7 +67,8 @@ class MovedAccel(Accel):
             groups = groups[base.pairs.first]
         base.scene.ask(GroupFilter(groups, base.opacity))
         self._scene = InstanceScene(parts, np.array(matrices)[:, :3])
-        self.traversal = self._scene.traversal()._replace(occluded8=0)  # packets ask no filter
+        # Packets ask no filter.
+        self.traversal = self._scene.traversal()._replace(occluded8=0, intersect8=0)
 
     def _own_hierarchy(self, cancelled) -> EmbreeScene:
         own, opacity = self._base.own_filter, self.opacity

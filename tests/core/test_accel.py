@@ -44,6 +44,32 @@ def test_nearest_hits_equal_the_naive_ones(rng):
     np.testing.assert_allclose(points, along[hit], atol=2e-4)  # float32, slivers of large triangles
 
 
+def _camera_rays(side=90):
+    """Those of a camera over the origin, row by row."""
+    x, y = np.meshgrid(*[np.linspace(-0.4, 0.4, side)] * 2)
+    directions = np.stack([x, y, np.full_like(x, -1.0)], -1).reshape(-1, 3).astype(np.float32)
+    return np.tile(np.float32([0.1, -0.2, 4.0]), (side * side, 1)), directions
+
+
+@pytest.mark.parametrize(
+    "mesh", [make_mesh(sphere(rings=40)), make_mesh(sphere(rings=40), floor())]
+)
+def test_nearest_hits_do_not_depend_on_the_rays_beside(rng, mesh):
+    """To the bit, whichever eight go together; alone a ray meets the same, u and v are rounded."""
+    accel, (origins, directions) = Accel(mesh), _camera_rays()
+    found = accel.intersect(origins, directions)
+    assert 0.1 < (found[0] >= 0).mean() and len(np.unique(found[0])) > 100
+    order = rng.permutation(len(origins))
+    for a, b in zip(accel.intersect(origins[order], directions[order]), found, strict=True):
+        np.testing.assert_array_equal(a, b[order])
+    for a, b in zip(accel.intersect(origins[3:], directions[3:]), found, strict=True):
+        np.testing.assert_array_equal(a, b[3:])
+    accel.traversal = accel.traversal._replace(intersect8=0)
+    triangle, *weights = accel.intersect(origins, directions)
+    np.testing.assert_array_equal(triangle, found[0])
+    np.testing.assert_allclose(weights, found[1:], atol=1e-4)  # triangles seen edge-on: 2e-5
+
+
 def test_occlusion_equals_the_naive_one(rng):
     """A ray is occluded where anything is hit."""
     mesh = _soup(rng)
