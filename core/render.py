@@ -62,7 +62,8 @@ def render(
     seen = cache.backdrop(scene)
     scene, accel = with_rows(scene, accel, settings, threads)
     scene = with_near_rays(scene, settings, accel)
-    job = with_slices(Job(scene, settings, accel, light, tables, sequence, stop, seen))
+    own = scene, settings, accel, light, tables, sequence, stop, seen
+    job = with_slices(Job(*own, takes_away=cache.takes_away))
     if settings.stop_rule == "BUDGET":
         _render_budget(job, threads, sink, stats)
     else:

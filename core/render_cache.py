@@ -15,7 +15,7 @@ from .embree.copied_rows import CopiedRows
 from .embree.moved_accel import Moves, moved, moves_between, settled
 from .embree.moving_accel import MovingAccel
 from .embree.moving_copies import MovingCopies
-from .light.environment import make_lookup
+from .light.environment import make_lookup, takes_away
 from .light.light_cache import light_key, load_light, save_light
 from .light.light_tree import build_pyramid
 from .light.pyramid import LightPyramid
@@ -73,6 +73,7 @@ class RenderCache:
     """What is kept from one render to the next while its source stays the same.
 
     light_warnings: what went wrong in keeping the last light on disk
+    takes_away: environment.takes_away of the last light
     """
 
     def __init__(self):
@@ -86,6 +87,7 @@ class RenderCache:
         self._unit: LightPyramid | None = None  # of the light, at strength 1
         self._backdrop: tuple[object, Backdrop] | None = None
         self.light_warnings: list[str] = []
+        self.takes_away = False
         self._builder = TableBuilder()
 
     def accel(
@@ -205,14 +207,14 @@ class RenderCache:
             lookup = self._light.lookup
         else:
             self._light = self._unit = None  # two lights at once would double the peak
-            lookup = make_lookup(environment)
+            lookup, self.takes_away = make_lookup(environment), takes_away(environment)
             self._unit = self._read_or_build(
                 lookup._replace(strength=_relative(environment.strength)),
                 cache_dir,
                 lambda fraction: progress(fraction, "Preparing the light"),
             )
         if before is None or self._light is None or _differ(environment.strength, before.strength):
-            pyramid, strongest = self._unit, environment.strength.max()
+            pyramid, strongest = self._unit, np.abs(environment.strength).max()
             if strongest not in (0.0, 1.0):  # brighter or darker as a whole: the same tree
                 pyramid = pyramid._replace(averages=pyramid.averages * strongest)
             self._light = make_light(lookup._replace(strength=environment.strength), pyramid)
@@ -262,8 +264,8 @@ def with_rows(scene: Scene, accel, settings: RenderSettings, threads: int):
 
 
 def _relative(strength: np.ndarray) -> np.ndarray:
-    """A strength whose largest channel is 1, or 0 as it was."""
-    strongest = strength.max()
+    """A strength whose largest channel is 1 or -1, or 0 as it was."""
+    strongest = np.abs(strength).max()
     return strength / strongest if strongest > 0.0 else strength
 
 

@@ -122,7 +122,8 @@ class TriangleMesh:
 class EnvironmentMap:
     """Light at infinity: an image, how a direction finds its texel, and a factor.
 
-    radiance: float32 (h, w, 3), finite and >= 0; row 0 is the bottom row (looks along -z)
+    radiance: float32 (h, w, 3), finite; row 0 is the bottom row (looks along -z). Negative light
+        takes away, as in Cycles: filters leave it round the sun of many an HDRI
     world_to_map: float32 (3, 4); a world direction d is looked up at world_to_map @ (d, 1),
         normalised: Cycles' Mapping node
     projection: EQUIRECTANGULAR or MIRROR_BALL
@@ -148,8 +149,8 @@ class EnvironmentMap:
         _expect("world_to_map", self.world_to_map, np.float32, (3, 4))
         _expect("strength", self.strength, np.float32, (3,))
         low, high = self.radiance.min(), self.radiance.max()  # NaN goes through both
-        if not (low >= 0.0 and high < np.inf):
-            raise ValueError(f"world {self.name}: radiance must be finite and not negative")
+        if not (low > -np.inf and high < np.inf):
+            raise ValueError(f"world {self.name}: radiance must be finite")
 
 
 class Panorama(NamedTuple):

@@ -13,6 +13,12 @@ def luminance(r, g, b):
 
 
 @kernel(forceinline=True)
+def magnitude(r, g, b):
+    """Luminance of light whose channels may be negative, as if none were: 0 of black alone."""
+    return luminance(abs(r), abs(g), abs(b))
+
+
+@kernel(forceinline=True)
 def chroma(r, g, b):
     """How far the channels are from grey: the mean square of their differences from luminance,
     each weighed as luminance weighs it. 0 for grey; of light L and color apart, L^2 + chroma is the

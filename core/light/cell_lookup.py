@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from .._jit import kernel
-from ..bsdf.luminance import luminance
+from ..bsdf.luminance import magnitude
 from .environment import eval_map, map_coordinates
 from .pyramid import row_column_to_morton
 
@@ -68,7 +68,7 @@ def footprint(lookup, x, y, size):
 
 @kernel(forceinline=True)
 def look_up_cell(lookup, x, y, size, n):
-    """(mean, mean square, largest) of luminance at the corners and centres of n^2 parts of a cell.
+    """(mean, mean square, largest) of magnitude at the corners and centres of n^2 parts of a cell.
 
     x, y: float32, the cell's corner; size: of its side, in the square. Corners see light that
     reaches just into a cell.
@@ -80,7 +80,7 @@ def look_up_cell(lookup, x, y, size, n):
             dx, dy, dz = square_to_direction(x + np.float32(j) * part, y + np.float32(i) * part)
             u, v = map_coordinates(lookup, dx, dy, dz)
             r, g, b = eval_map(lookup, u, v)
-            value = luminance(r, g, b)
+            value = magnitude(r, g, b)
             on_edge = (i % (2 * n) == 0) + (j % (2 * n) == 0)
             weight = np.float32(1.0) if on_edge == 0 else np.float32(0.5 if on_edge == 1 else 0.25)
             bounded = min(value, LARGEST)

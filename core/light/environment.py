@@ -6,7 +6,8 @@ A world direction d goes through ``world_to_map``; the result p finds its texel 
 Measured against Cycles of Blender 4.5 and 5.2: the texel in column j, row i has its centre at
 ((j + .5) / w, (i + .5) / h); the map repeats in u *and in v*, so that the half row at a pole is
 blended with the row at the other pole; the zero vector is looked up at (0, 0); byte images in sRGB
-are interpolated first and decoded afterwards.
+are interpolated first and decoded afterwards; values below 0 stay, and take light away. Densities
+are of magnitudes (luminance.magnitude), only the weights of samples have signs.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ _INFINITY = np.float32(np.inf)
 _PI, _HALF_PI = np.float32(math.pi), np.float32(0.5 * math.pi)
 _INV_PI, _INV_TWO_PI = np.float32(1.0 / math.pi), np.float32(0.5 / math.pi)
 _TINY = np.float32(1e-30)
+# Of a map's light, what is below 0 from where counts of samples must not follow a pixel's own luck.
+_TAKEN = 0.005
 _ENCODED_AT_ONCE = 1 << 20  # values: three more copies of an 8K map would take 1.2 GB
 
 
@@ -53,16 +56,26 @@ class EnvironmentLookup(NamedTuple):
 
 
 def srgb_encode(linear: np.ndarray) -> np.ndarray:
-    """The sRGB encoding (IEC 61966-2-1) of linear values >= 0, float32, unclipped above 1."""
+    """The sRGB encoding (IEC 61966-2-1) of linear values, float32; no clipping: a line below 0."""
     linear = np.ascontiguousarray(linear, np.float32)
     encoded = np.empty_like(linear)
     flat, out = linear.reshape(-1), encoded.reshape(-1)
     for first in range(0, flat.size, _ENCODED_AT_ONCE):
         part = flat[first : first + _ENCODED_AT_ONCE]
-        curve = np.float32(1.055) * part ** np.float32(1.0 / 2.4) - np.float32(0.055)
+        root = np.maximum(part, np.float32(0.0)) ** np.float32(1.0 / 2.4)
+        curve = np.float32(1.055) * root - np.float32(0.055)
         low = part <= np.float32(0.0031308)
         out[first : first + _ENCODED_AT_ONCE] = np.where(low, np.float32(12.92) * part, curve)
     return encoded
+
+
+def takes_away(environment: EnvironmentMap) -> bool:
+    """Whether much of a map's light is below 0: filters leave a tenth of it round some suns."""
+    radiance = environment.radiance
+    if radiance.min() >= 0.0:
+        return False
+    taken = -radiance.sum(dtype=np.float64, where=radiance < 0.0)
+    return bool(taken > _TAKEN * np.abs(radiance).sum(dtype=np.float64))
 
 
 def make_lookup(environment: EnvironmentMap) -> EnvironmentLookup:

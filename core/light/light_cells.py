@@ -1,5 +1,7 @@
 """The light's coarse statistics: mean and mean square of luminance over cells of the square.
 
+Luminance as of luminance.magnitude: negative light asks for as many samples as that which adds.
+
 Each texel is visited once, by a sample at its centre with its solid angle (by several where it is
 larger than a cell), so nothing is missed and the poles need no special care. Where a direction's
 texel has no simple inverse (mirror ball, a mapping that moves the origin), cells look their light
@@ -14,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..bsdf.luminance import luminance
+from ..bsdf.luminance import magnitude
 from ..data.channels import LUMINANCE_B, LUMINANCE_G, LUMINANCE_R
 from .cell_lookup import LARGEST, look_up_cell, look_up_cells
 from .environment import EnvironmentLookup, eval_map, fast_atan2
@@ -33,7 +35,7 @@ class CellLight(NamedTuple):
     finest: float32 (4^level, 2): mean of luminance; what its mean square may be, for the light of a
         texel in the next cell reaches over
     mean, square: float32 (level_offset(level),), first and last of them for all coarser levels
-    level: of the finest cells; total: mean luminance of the sphere
+    level: of the finest cells; total: mean magnitude of the sphere
     """
 
     finest: np.ndarray
@@ -79,22 +81,24 @@ def _find_cells(inverse, jacobian, around, sine, cosine, side, cells, weights):
 
 @kernel
 def _read_row(lookup, row, parts, values):
-    """Luminance of the samples of a row of the map; ``parts`` samples a texel, each way."""
+    """Magnitude of the samples of a row of the map; ``parts`` samples a texel, each way."""
     texels, strength = lookup.texels, lookup.strength
     n = len(values)
     if parts == 1 and lookup.interpolation != 2:
-        red = np.float32(LUMINANCE_R) * strength[0]
-        green = np.float32(LUMINANCE_G) * strength[1]
-        blue = np.float32(LUMINANCE_B) * strength[2]
+        red = np.float32(LUMINANCE_R) * abs(strength[0])
+        green = np.float32(LUMINANCE_G) * abs(strength[1])
+        blue = np.float32(LUMINANCE_B) * abs(strength[2])
         for j in range(n):
             values[j] = (
-                red * texels[row, j, 0] + green * texels[row, j, 1] + blue * texels[row, j, 2]
+                red * abs(texels[row, j, 0])
+                + green * abs(texels[row, j, 1])
+                + blue * abs(texels[row, j, 2])
             )
         return
     v = np.float32((row + 0.5) / (parts * texels.shape[0]))
     for j in range(n):
         r, g, b = eval_map(lookup, np.float32((j + 0.5) / n), v)
-        values[j] = luminance(r, g, b)
+        values[j] = magnitude(r, g, b)
 
 
 @kernel

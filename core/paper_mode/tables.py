@@ -75,9 +75,9 @@ def _fill_radiance(lookup, side, per_side, first, last, grid):
             y = (row + (sample // per_side + 0.5) / per_side) / side
             dx, dy, dz = _sphere(x, y)
             lr, lg, lb = eval_environment(lookup, dx, dy, dz)
-            r += lr
-            g += lg
-            b += lb
+            r += max(lr, np.float32(0.0))  # negative light is for mode UNBIASED alone
+            g += max(lg, np.float32(0.0))
+            b += max(lb, np.float32(0.0))
         share = 1.0 / (per_side * per_side)
         grid[cell, 0], grid[cell, 1], grid[cell, 2] = r * share, g * share, b * share
 

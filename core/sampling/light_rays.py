@@ -77,7 +77,7 @@ def write_ray(at, points, light, p, wi, radiance, pdf, u, offset, rays, n):
     """
     wx, wy, wz = wi
     lr, lg, lb = radiance
-    if not pdf > _ZERO or lr + lg + lb <= _ZERO:
+    if not pdf > _ZERO or abs(lr + lg + lb) <= _ZERO:
         return n
     dr, dg, db, gr, gg, gb = eval_at(at, wx, wy, wz)
     if dr + dg + db + gr + gg + gb <= _ZERO:

@@ -25,7 +25,7 @@ def _choose_rays(lanes, n):
         diffuse = numbers[DIFFUSE + s] + numbers[DIFFUSE + LANES + s] + numbers[DIFFUSE + _LAST + s]
         glossy = numbers[GLOSSY + s] + numbers[GLOSSY + LANES + s] + numbers[GLOSSY + _LAST + s]
         lanes.ray[m] = s
-        m += diffuse + glossy > _ZERO
+        m += abs(diffuse + glossy) > _ZERO  # a world may have negative light
     return m
 
 

@@ -187,7 +187,7 @@ def _write_rays(lanes, n, rays, m):
             rays.glossy[m, a] = numbers[GLOSSY + LANES * a + s]
             carried += rays.diffuse[m, a] + rays.glossy[m, a]
         rays.point[m] = lanes.point[s]
-        m += carried > _ZERO
+        m += abs(carried) > _ZERO
     return m
 
 

@@ -29,7 +29,7 @@ class Backdrop:
             self._lookup = make_lookup(world) if isinstance(world, EnvironmentMap) else world
 
     def radiance(self, directions: np.ndarray) -> np.ndarray:
-        """float32 (n, 3), finite and >= 0. directions: float32 (n, 3), unit, C-contiguous"""
+        """float32 (n, 3), finite. directions: float32 (n, 3), unit, C-contiguous"""
         found = np.empty((len(directions), 3), np.float32)
         if self._program is None:
             eval_environment_many(self._lookup, directions, found)
@@ -37,5 +37,5 @@ class Backdrop:
         for first in range(0, len(directions), _BLOCK):
             part = slice(first, first + _BLOCK)
             color = evaluate_directions(self._program, self._value, directions[part])
-            found[part] = np.clip(color, 0.0, _BRIGHTEST) * self._strength
+            found[part] = np.clip(color, -_BRIGHTEST, _BRIGHTEST) * self._strength
         return found

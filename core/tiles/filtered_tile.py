@@ -63,7 +63,7 @@ class FilteredTile:
         self._silhouettes = Silhouettes(job.scene, self._around.width, self._around.height)
         known = self._silhouettes, self._pixels, self._cell
         film = job.scene.transparent_film
-        self._plan = PassPlan(job.settings, self._batch, film, *known)
+        self._plan = PassPlan(job.settings, self._batch, film, *known, job.takes_away)
         self._shown = shown_lamps(job.scene.lamps)
         self._passes = self._primary = 0
         self._active, self._wants = self._pixels, self._plan.wanted(self._pixels, 0, self._sums)

@@ -53,6 +53,7 @@ class Job:
     backdrop: of Scene.backdrop; None where there is none
     slices: the same at each slice of the shutter's time, where objects move
     first_passes: of a pixel filter, taken at once before there is a picture (pass_plan.py)
+    takes_away: environment.takes_away of the light
     """
 
     scene: Scene
@@ -65,6 +66,7 @@ class Job:
     backdrop: Backdrop | None = None
     slices: tuple[Job, ...] = ()
     first_passes: int = PILOT
+    takes_away: bool = False
 
     @property
     def seen_world(self) -> Backdrop:

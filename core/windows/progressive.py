@@ -67,7 +67,8 @@ def render_progressive(
         points = _points(settings)
         scene, accel = with_rows(scene, accel, settings, threads)
         scene = with_near_rays(scene, settings, accel)
-        job = Job(scene, settings, accel, light, None, points, stop, seen, first_passes=1)
+        own = scene, settings, accel, light, None, points, stop, seen
+        job = Job(*own, first_passes=1, takes_away=cache.takes_away)
         _Rounds(job, last, show, denoiser or ViewDenoiser()).run()
 
 

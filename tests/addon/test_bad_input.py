@@ -36,7 +36,7 @@ LIT = {
     bad.hdri_with_nan: ("White", "Sky", "map", "1 of 128 texels are NaN: 0 instead"),
     bad.hdri_with_infinity: ("White", "Sky", "map", "1 of 128 texels are infinite: 0.5 instead"),
     bad.hdri_with_overflow: ("White", "Sky", "map", "too bright to render: 0.5 instead"),
-    bad.hdri_with_negatives: ("White", "Sky", "map", "1 of 128 texels are negative: 0 instead"),
+    bad.hdri_with_negatives: ("White", "Sky", "map", "1 of 128 texels are too far below 0"),
     bad.hdri_of_one_texel: (),
     bad.hdri_of_two_texels: (),
     bad.hdri_of_one_column: (),

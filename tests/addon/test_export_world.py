@@ -185,13 +185,21 @@ def test_a_shader_that_cannot_glow_is_black_with_a_warning(tree):
     assert len(warnings) == 1 and "Diffuse BSDF gives no light" in warnings[0]
 
 
-@pytest.mark.parametrize("strength", [-1.0, float("nan")])
-def test_bad_strength_is_black_with_a_warning(tree, texels, strength):
+def test_bad_strength_is_black_with_a_warning(tree, texels):
     _, background = textured_world(tree, new_image(texels))
-    background.inputs["Strength"].default_value = strength
+    background.inputs["Strength"].default_value = float("nan")
     environment, warnings = exported()
     assert looked_up(environment).max() == 0.0
     assert len(warnings) == 1 and "strength" in warnings[0]
+
+
+def test_a_negative_strength_takes_light_away(scene, tree, texels, tmp_path):
+    """As in Cycles, without a word."""
+    _, background = textured_world(tree, new_image(texels))
+    background.inputs["Strength"].default_value = -1.5
+    environment, warnings = exported()
+    assert looked_up(environment).max() < 0.0 and warnings == []
+    assert_as_cycles(scene, tmp_path)
 
 
 def test_no_world_is_black_with_a_warning(scene, tree):

@@ -76,8 +76,8 @@ def test_large_images_are_averaged_with_a_warning(tree, texels, monkeypatch):
     assert len(warnings) == 1 and "8 x 4" in warnings[0] and '"World"' in warnings[0]
 
 
-def test_values_that_are_no_light_are_mended(tree):
-    """1 - 3 z: negative above; the warning counts the texels."""
+def test_light_below_zero_stays(tree):
+    """1 - 3 z: negative above, in the map that lights and before the camera, as in Cycles."""
     z, math, background = add(tree, "SeparateXYZ"), add(tree, "Math"), add(tree, "Background")
     math.operation = "MULTIPLY_ADD"
     math.inputs[1].default_value, math.inputs[2].default_value = -3.0, 1.0
@@ -85,10 +85,10 @@ def test_values_that_are_no_light_are_mended(tree):
     tree.links.new(z.outputs["Z"], math.inputs[0])
     link(tree, math, background, add(tree, "OutputWorld"))
     world, warnings = read()
-    assert world.light.radiance.min() == 0.0 and world.light.radiance.max() > 3.9
-    assert len(warnings) == 1 and "are negative: 0 instead" in warnings[0]
+    assert world.light.radiance.min() < -1.9 and world.light.radiance.max() > 3.9
+    assert warnings == []
     up = np.float32([[0.0, 0.0, 1.0]])
-    assert Backdrop(world.backdrop).radiance(up).max() == 0.0
+    np.testing.assert_allclose(Backdrop(world.backdrop).radiance(up), -2.0, rtol=1e-6)
 
 
 def test_an_image_texture_without_a_vector_is_one_colour(tree, texels):

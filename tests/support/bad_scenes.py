@@ -87,7 +87,7 @@ def hdri_with_overflow(scene, _folder):
 
 
 def hdri_with_negatives(scene, _folder):
-    use_texels(scene, -5.0)
+    use_texels(scene, -3e38)
 
 
 def hdri_of_one_texel(scene, _folder):

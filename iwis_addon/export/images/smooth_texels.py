@@ -55,5 +55,6 @@ def smooth_texels(radiance: np.ndarray, encoded: bool) -> np.ndarray:
     texels = np.float32(srgb_encode(radiance)) if encoded else radiance
     for axis in (0, 1):
         texels = _along(texels, factor, axis)
-    texels = np.maximum(texels, np.float32(0.0))  # what rounding leaves below
-    return np.ascontiguousarray(srgb_decode(texels) if encoded else texels)
+    if encoded:
+        texels = srgb_decode(np.maximum(texels, np.float32(0.0)))  # what rounding leaves below
+    return np.ascontiguousarray(texels)

@@ -163,14 +163,14 @@ class _Export:
         )
 
     def _usable(self, strength):
-        if strength.min() < 0.0 or not np.isfinite(strength).all():
-            text = f"strength {strength[0]:g} is not a finite number >= 0: 0 is used"
+        if not np.isfinite(strength).all():
+            text = f"strength {strength[0]:g} is not a finite number: 0 is used"
             self._reader.warn(None, text)
             return _BLACK
-        if strength.max() > STRONGEST:
+        if np.abs(strength).max() > STRONGEST:
             text = f"strength {strength.max():g} is too large: {STRONGEST:g} is used"
             self._reader.warn(None, text)
-        return np.minimum(strength, np.float32(STRONGEST))
+        return np.clip(strength, np.float32(-STRONGEST), np.float32(STRONGEST))
 
     def _mended(self, radiance, slot, name):
         """Radiance that can be rendered, float32; what had to be changed becomes a warning."""
