@@ -85,7 +85,9 @@ def _write(at, points, p, lamps, i, face, wi, far, weight, lifted, offset, rays,
     if face >= 0:
         flat = points.geometric_normal
         above = flat[p, 0] * wi[0] + flat[p, 1] * wi[1] + flat[p, 2] * wi[2]
-        if above * far <= offset:  # the face that the point is on, or one that it turns away from
+        if abs(above) * far <= offset:  # the face that the point is on
+            return n
+        if above <= 0.0 and not (lifted and points.lift_below[p] < _ROUND):  # it turns away
             return n
         own = lamps.faces.radiance
         r, g, b = own[face, 0], own[face, 1], own[face, 2]

@@ -76,6 +76,16 @@ def _turned(_):
     bpy.ops.mesh.primitive_cube_add(size=0.6, location=(-0.5, 0.5, 0.6), rotation=(0.7, 0.5, 0.2))
 
 
+def _behind(_):
+    """A plane that shines, unseen, and before it a coarse smooth head, lit along its rim."""
+    bpy.ops.mesh.primitive_monkey_add(size=1.9, location=(0.3, -1.2, 0.5))
+    bpy.ops.object.shade_smooth()
+    bpy.context.object.data.materials.append(bpy.data.objects["Plane"].data.materials[0])
+    bpy.ops.mesh.primitive_plane_add(size=0.8, location=(1.3, 0.6, 2.0), rotation=(2.2, 0.3, 0))
+    bpy.context.object.visible_camera = False
+
+
+_emitter("Emissive plane behind a head, coarse and smooth", _behind)
 _emitter("Emissive cube, near a cube", _near)
 _emitter("Emissive cube, turned, between all", _turned)
 _emitter("Emissive plane", _plane)
