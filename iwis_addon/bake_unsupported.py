@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import bpy
 
+from .callbacks import end_previews
 from .unsupported import Unsupported, unsupported_of
 
 _HALF = (0.5, 0.5, 0.5)
@@ -198,6 +199,7 @@ def _baking(context, samples):
     kept = [(owner, name, getattr(owner, name)) for owner, name, _ in values]
     selected = [obj for obj in layer.objects if obj.select_get(view_layer=layer)]
     active = layer.objects.active
+    end_previews()
     try:
         for owner, name, value in values:
             setattr(owner, name, value)

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..core.data.channels import LUMINANCE
 from ..core.settings import LIMITS
+from .callbacks import end_previews
 from .images import render_pixels
 from .job import ENGINE
 
@@ -93,6 +94,7 @@ def compare_with_cycles(scene, samples: int) -> Comparison:
     wanted += [(scene.cycles, "samples", samples), (scene.iwis, "denoise", False)]
     kept = [(owner, name, getattr(owner, name)) for owner, name, _ in wanted]
     kept.append((scene.render, "engine", scene.render.engine))
+    end_previews()
     try:
         for owner, name, value in wanted:
             setattr(owner, name, value)

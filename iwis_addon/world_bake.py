@@ -6,6 +6,7 @@ import math
 
 import bpy
 
+from .callbacks import end_previews
 from .images import put_image, render_pixels
 
 
@@ -24,6 +25,7 @@ def bake_world(scene, height: int = 512, samples: int = 16):
     world, camera = scene.world.copy(), bpy.data.cameras.new("IWIS Panorama")
     eye = bpy.data.objects.new("IWIS Panorama", camera)
     studio = bpy.data.scenes.new("IWIS Panorama")
+    end_previews()
     try:
         _set_up(studio, world, camera, eye, height, samples)
         pixels = render_pixels(studio)

@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import IntProperty
 
+from ..iwis_addon import callbacks
 from ..iwis_addon.bake_unsupported import bake_unsupported
 
 
@@ -35,6 +36,8 @@ class IWIS_OT_bake_unsupported(bpy.types.Operator):
             cls.poll_message_set("Cycles is disabled: it bakes the images")
         elif context.mode != "OBJECT":
             cls.poll_message_set("Baking needs Object Mode")
+        elif callbacks.cannot_render():
+            cls.poll_message_set(callbacks.cannot_render())
         else:
             return True
         return False

@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import IntProperty
 
+from ..iwis_addon import callbacks
 from ..iwis_addon.cycles_settings import compare_with_cycles
 from ..iwis_addon.images import put_image, show_image
 
@@ -28,6 +29,8 @@ class IWIS_OT_compare_cycles(bpy.types.Operator):
             cls.poll_message_set("Cycles is disabled")
         elif context.scene.camera is None:
             cls.poll_message_set("The scene has no camera")
+        elif callbacks.cannot_render():
+            cls.poll_message_set(callbacks.cannot_render())
         else:
             return True
         return False

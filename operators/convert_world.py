@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import IntProperty
 
+from ..iwis_addon import callbacks
 from ..iwis_addon.world_bake import bake_world, use_image
 
 
@@ -36,6 +37,8 @@ class IWIS_OT_convert_world(bpy.types.Operator):
             cls.poll_message_set("The scene has no world")
         elif not hasattr(context.scene, "cycles"):
             cls.poll_message_set("Cycles is disabled: it renders the panorama")
+        elif callbacks.cannot_render():
+            cls.poll_message_set(callbacks.cannot_render())
         else:
             return True
         return False

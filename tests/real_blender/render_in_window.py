@@ -1,4 +1,5 @@
-"""Run by Blender's window: previews beside Cycles', a picked pixel, Escape in a render.
+"""Run by Blender's window: previews beside Cycles', a button in one, a picked pixel, Escape in a
+render.
 
 blender STATUE.blend --python render_in_window.py -- FOLDER
 """
@@ -66,6 +67,24 @@ def previews():
         low, high = 1.0 - DARKER, 1.0 + BRIGHTER
         inside.expect(low < means[0] / means[1] < high, f"the preview of {data.name} is as bright")
     inside.expect(job.current is before, "a preview leaves the user's last render alone")
+
+
+def convert_in_a_preview():
+    """A button that sets an engine while a preview renders: Blender goes on."""
+    scene, before = inside.window_scene(), inside.window_scene().world
+    scene.render.engine = "IWIS"
+    for name in ("Jade", "Brass"):
+        inside.material(name).asset_generate_preview()
+    others = inside.module("callbacks")._others_inside
+    yield from inside.until(others, 60.0, "a preview")
+    started = time.perf_counter()
+    bpy.ops.iwis.convert_world(height=64, samples=1)
+    inside.say(f"a world converted while previews render: {time.perf_counter() - started:.2f} s")
+    inside.expect(scene.world != before, "the world is converted")
+    scene.world = before
+    yield from inside.until(
+        lambda: not bpy.app.is_job_running("RENDER_PREVIEW"), 300.0, "the end of the previews"
+    )
 
 
 def shot_of_tab(tab: str):
@@ -150,6 +169,8 @@ def escape(scene):
     start_render(scene)
     yield from inside.until(lambda: any("Remaining:" in each for each in lines), 600.0, "tiles")
     yield 1.0
+    for name in ("compare_cycles", "convert_world", "bake_unsupported"):
+        inside.expect(not getattr(bpy.ops.iwis, name).poll(), f"{name} is grey in a render")
     yield from inside.screenshot(FOLDER / "rendering.png")
     at = yield from inside.press("Escape")
     yield from inside.until(lambda: not rendering(), 30.0, "the end after Escape")
@@ -171,6 +192,7 @@ def escape(scene):
 
 def main():
     yield from previews()
+    yield from convert_in_a_preview()
     scene = inside.window_scene()
     scene.render.engine = "IWIS"
     meshes = [each for each in scene.objects if each.type == "MESH" and each.data.materials]
