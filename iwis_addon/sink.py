@@ -16,6 +16,7 @@ from .passes import Pass
 
 # Blender prints a line for every update in background mode; a farm's log needs no more.
 SECONDS_BETWEEN_UPDATES = 1.0 if bpy.app.background else 0.1
+_TELLS_TIME = bpy.app.background  # above the picture of a window stands Blender's own
 _PHASE_TEXTS = {
     "tables": "Preparing the light",
     "bvh": "Building BVH",
@@ -119,7 +120,9 @@ class BlenderSink:
 
     def line(self, progress: Progress, seconds: float, peak_mb: float) -> str:
         """The status line; farms look for `Rendered 3/12 Tiles, Sample 12/128` in it."""
-        parts = [f"Mem:{peak_mb:.2f}M", f"Time:{clock(seconds)}"]
+        parts = [f"Mem:{peak_mb:.2f}M"]
+        if _TELLS_TIME:
+            parts.append(f"Time:{clock(seconds)}")
         if progress.phase != "sampling":
             text = progress.text or _PHASE_TEXTS.get(progress.phase, progress.phase)
             return " | ".join([*parts, self._layer, f"{text} {progress.fraction:.0%}"])

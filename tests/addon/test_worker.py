@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from iwis.core.film import Film, Progress, Tile, new_layers
+from iwis.core.settings import RenderSettings
+from iwis.iwis_addon import sink
 from iwis.iwis_addon.worker import run_in_worker
 
 
@@ -116,3 +118,14 @@ def test_an_error_of_the_sink_stops_the_work():
     with pytest.raises(OSError, match="disk full"):
         run_in_worker(work, Full(60.0))
     assert stopped.wait(5.0)
+
+
+@pytest.mark.parametrize("in_window", [False, True])
+def test_a_line_tells_the_time_once(monkeypatch, in_window):
+    """A farm's log has the time of sampling; above a window's picture stands Blender's own."""
+    monkeypatch.setattr(sink, "_TELLS_TIME", not in_window)
+    told = sink.BlenderSink(None, "Layer", "", [], (0, 0, 8, 8), RenderSettings(max_samples=16))
+    line = told.line(Progress("sampling", 0.5, 1, 2, samples=32 * 16), 3.0, 100.0)
+    time_told = "" if in_window else "Time:00:03.00 | "
+    rest = "Remaining:00:03.00 | Layer | Rendered 1/2 Tiles, Sample 16/16"
+    assert line == f"Mem:100.00M | {time_told}{rest}"

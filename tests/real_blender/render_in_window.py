@@ -176,6 +176,7 @@ def escape(scene):
     yield from inside.until(lambda: not rendering(), 30.0, "the end after Escape")
     gone = time.perf_counter() - at
     inside.say("line:", lines[-1])
+    inside.expect("Time:" not in lines[-1], "the time above the picture is Blender's own")
     inside.say(f"Escape: render over in {ended[0] - at:.3f} s, Blender's job in {gone:.3f} s")
     inside.expect(ended[0] - at < ESCAPE_SECONDS, "Escape ends a render in time")
     kept = result("after-escape")
