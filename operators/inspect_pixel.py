@@ -31,6 +31,7 @@ class IWIS_OT_inspect_pixel(bpy.types.Operator):
 
     source: EnumProperty(
         name="Pixel of",
+        description="Which picture X and Y count the pixels of",
         items=(
             ("CAMERA", "Camera", "A pixel of the frame of the scene's camera"),
             ("VIEW", "3D View", "A pixel of a 3D view, as its rendered view shows it"),

@@ -60,3 +60,18 @@ def test_film_that_cannot_be_written_is_named(tmp_path, inside_blender):
     path = tmp_path / "no" / "film.exr"
     with pytest.raises(OSError, match=r"film\.exr"):
         write_exr(str(path), {"A": np.ones((2, 2, 1), np.float32)}, {"A": "X"}, inside_blender)
+
+
+# Of Blender's own, which shows neither.
+_UNSEEN = {"rna_type", "remove_name", "remove_active", "filter_glob"}
+
+
+def test_all_that_a_button_asks_has_a_tooltip(scene):
+    """Of the button itself, and of each number and choice in its dialog."""
+    missing = []
+    for name in dir(bpy.ops.iwis):
+        operator = getattr(bpy.ops.iwis, name).get_rna_type()
+        asked = [each for each in operator.properties if each.identifier not in _UNSEEN]
+        missing += [f"{name}.{each.identifier}" for each in asked if not each.description]
+        missing += [] if operator.description else [name]
+    assert not missing
