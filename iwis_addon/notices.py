@@ -93,6 +93,9 @@ def advice_before_render(scene) -> list[str]:
     lines = dependencies.advice()
     if lacks_layers(scene):
         lines.append(NO_LAYER)
+    iwis = scene.iwis
+    if iwis.stop_rule == "BUDGET" and not (iwis.target_samples or iwis.time_limit):
+        lines.append("The budget is empty: raise Target Samples or Time Limit above 0")
     if scene.camera is None:
         lines.append("The scene has no camera: add one, or choose one in the scene's properties")
     if any(thing.type == "LIGHT" and not thing.hide_render for thing in scene.objects):

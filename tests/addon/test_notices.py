@@ -34,6 +34,17 @@ def test_view_layers_that_are_all_off_are_told_of_before_a_render(cube_scene):
     assert NO_LAYER not in advice_before_render(cube_scene)
 
 
+@pytest.mark.parametrize(("samples", "seconds"), [(0, 0.0), (64, 0.0), (0, 2.0)])
+def test_an_empty_budget_is_told_of_before_a_render(cube_scene, samples, seconds):
+    """A render of it could not begin."""
+    iwis = cube_scene.iwis
+    iwis.target_samples, iwis.time_limit = samples, seconds
+    assert not any("budget" in line for line in advice_before_render(cube_scene))
+    iwis.stop_rule = "BUDGET"
+    empty = any("budget" in line for line in advice_before_render(cube_scene))
+    assert empty == (samples == 0 and seconds == 0.0)
+
+
 def test_warned_objects_are_selected_by_whole_names(cube_scene):
     """ "Cube" is not "Cube.001"; nothing else stays selected."""
     other = bpy.data.objects["Cube"].copy()
