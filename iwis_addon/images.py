@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import tempfile
 
@@ -41,6 +42,19 @@ def read_image(path: str) -> np.ndarray:
         pixels = np.empty(width * height * 4, np.float32)
         image.pixels.foreach_get(pixels)
     return pixels.reshape(height, width, 4)
+
+
+@contextlib.contextmanager
+def waiting(window):
+    """The mouse shows that Blender is busy; window: None in background mode."""
+    if window is None:
+        yield
+        return
+    window.cursor_modal_set("WAIT")
+    try:
+        yield
+    finally:
+        window.cursor_modal_restore()
 
 
 def show_image(context, image) -> None:

@@ -5,7 +5,7 @@ from bpy.props import EnumProperty, IntProperty
 
 from ..iwis_addon import dependencies
 from ..iwis_addon.export import ExportError, export_scene
-from ..iwis_addon.images import put_image, show_image
+from ..iwis_addon.images import put_image, show_image, waiting
 from ..iwis_addon.preferences import share_cache_dir
 from ..iwis_addon.settings import render_settings, viewport_settings
 from ..iwis_addon.view_camera import view_camera
@@ -95,7 +95,8 @@ class IWIS_OT_inspect_pixel(bpy.types.Operator):
                 self.report({"ERROR"}, "Not shown: run it in a 3D view, or choose the camera's")
                 return {"CANCELLED"}
         try:
-            view, picture = inspect_pixel(depsgraph, self.x, self.y, self.height, seen)
+            with waiting(context.window):  # a machine's first compiles for half a minute
+                view, picture = inspect_pixel(depsgraph, self.x, self.y, self.height, seen)
         except (dependencies.MissingPackage, ExportError, OSError, ValueError) as error:
             self.report({"ERROR"}, f"Not shown: {error}")
             return {"CANCELLED"}

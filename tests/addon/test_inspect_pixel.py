@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
+from iwis.operators import inspect_pixel as operator
 from iwis.operators.inspect_pixel import IWIS_OT_inspect_pixel, inspect_pixel, region_under
 
 
@@ -93,3 +94,21 @@ def test_a_click_names_the_pixel_of_its_region():
     IWIS_OT_inspect_pixel._pick(operator, None, rendered, rendered.regions[0], 150, 40)
     assert (operator.source, operator.x, operator.y) == ("VIEW", 50, 40)
     assert operator.picked == (rendered.spaces.active, rendered.regions[0])
+
+
+def test_the_mouse_tells_that_blender_is_busy(scene, monkeypatch):
+    """As long as it takes, and no longer where nothing can be shown."""
+    cursors = []
+    window = SimpleNamespace(
+        cursor_modal_set=cursors.append, cursor_modal_restore=lambda: cursors.append("back")
+    )
+
+    def fails(*_arguments):
+        assert cursors == ["WAIT"]
+        raise ValueError("no object")
+
+    monkeypatch.setattr(operator, "inspect_pixel", fails)
+    context = SimpleNamespace(window=window, evaluated_depsgraph_get=lambda: None)
+    asked = SimpleNamespace(source="CAMERA", x=1, y=1, height=64, report=lambda *_: None)
+    assert IWIS_OT_inspect_pixel.execute(asked, context) == {"CANCELLED"}
+    assert cursors == ["WAIT", "back"]
