@@ -22,17 +22,20 @@ from . import (
     panels_passes,
     panels_simplify,
     panels_status,
+    panels_view,
     panels_world,
     preferences,
     properties,
     sampling_presets,
     view_overlay,
+    view_shading,
     viewport,
 )
 
 MODULES = (
     preferences,
     properties,
+    view_shading,
     operators,
     job,
     bake,
@@ -48,6 +51,7 @@ MODULES = (
     panels_object,
     panels_passes,
     panels_status,
+    panels_view,
     panels_world,
     measured,
 )

@@ -16,6 +16,7 @@ from .false_color import false_color, legend, scale_of
 from .job import ENGINE
 from .settings import viewport_settings
 from .view_picture import make_texture
+from .view_shading import view_shading
 from .viewport import living
 
 _WIDTH, _HEIGHT = 16, 180
@@ -25,14 +26,20 @@ _state: dict = {"handle": None}
 _textures: dict = {}
 
 
+def colored_layer(scene, shading) -> str:
+    """The layer that is drawn over a view, "" = none: of its Render Pass, else the scene's Show."""
+    overlay = scene.iwis.viewport.overlay.lower()
+    return view_shading(shading).colors or ("" if overlay == "combined" else overlay)
+
+
 def _draw() -> None:
     """Called by Blender for every 3D view that it draws."""
     context = bpy.context
     scene, space = context.scene, context.space_data
     if scene.render.engine != ENGINE or space.shading.type != "RENDERED":
         return
-    layer = scene.iwis.viewport.overlay.lower()
-    if layer == "combined":
+    layer = colored_layer(scene, space.shading)
+    if not layer:
         return
     place = context.region.as_pointer()
     viewport = next((v for v in living() if v.region == place), None)

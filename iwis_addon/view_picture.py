@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import gpu
+import numpy as np
 from gpu_extras.presets import draw_texture_2d
+
+from .passes import matte_layer
+
+_LARGEST = 65504.0  # of a half float
+_COLOR_BITS = np.array([0, 8, 15], np.uint32)  # where red, green and blue begin in an id
 
 
 class PictureDrawing:
@@ -19,7 +25,7 @@ class PictureDrawing:
         version: of the picture; pixel_size: pixels of the screen to one of the picture's frame
         """
         if version != self._version:
-            self._texture = make_texture(picture.layers["combined"])
+            self._texture = make_texture(shown_pixels(picture))
             self._version = version
         scale = picture.step * pixel_size
         x0, y0, x1, y1 = (edge * scale for edge in picture.region)
@@ -28,6 +34,29 @@ class PictureDrawing:
         draw_texture_2d(self._texture, (x0, y0), x1 - x0, y1 - y0)
         engine.unbind_display_space_shader()
         gpu.state.blend_set("NONE")
+
+
+def shown_pixels(picture) -> np.ndarray:
+    """float32 (h, w, 4), scene-linear: a picture as its pass is looked at.
+
+    As in Cycles, a number is a grey, nothing is below 0, and all but Combined is opaque. Of mattes
+    each has a color of its own.
+    """
+    pixels = picture.layers[picture.shown]
+    if picture.shown == "combined":
+        return pixels
+    if picture.shown.startswith(matte_layer("")):
+        pixels = _matte_colors(pixels)
+    rgba = np.ones((*pixels.shape[:2], 4), np.float32)
+    np.clip(pixels, 0.0, _LARGEST, out=rgba[..., :3])
+    return rgba
+
+
+def _matte_colors(pixels) -> np.ndarray:
+    """float32 (h, w, 3) of pairs of id and coverage: bits of the ids, by what they cover."""
+    pairs = pixels.reshape(*pixels.shape[:2], -1, 2)
+    bits = np.ascontiguousarray(pairs[..., 0]).view(np.uint32)[..., None] >> _COLOR_BITS
+    return np.einsum("yxkc,yxk->yxc", (bits & 0xFF) / np.float32(255.0), pairs[..., 1])
 
 
 def make_texture(pixels):

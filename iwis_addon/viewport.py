@@ -23,10 +23,12 @@ from . import view_picture, view_thread
 from .denoiser import denoising
 from .export import ExportCache, LiveExport, export_scene, film_exposure
 from .export.same import same
+from .export.view_shading import AS_RENDERED
 from .export.worlds.late_sky import LateSkies
 from .preferences import share_cache_dir
 from .settings import denoise_settings, viewport_settings
 from .view_camera import view_camera
+from .view_shading import view_shading
 
 # Viewports that live, for operators, panels and tests.
 _LIVING: weakref.WeakSet[Viewport] = weakref.WeakSet()
@@ -51,6 +53,7 @@ class Viewport:
         self._camera: Camera | None = None
         self._denoise: tuple[Denoising, int] | None = None
         self._guided = False
+        self._shading = AS_RENDERED
         self._drawing = view_picture.PictureDrawing()
         self.failure = ""
         self.warnings: list[str] = []
@@ -76,7 +79,8 @@ class Viewport:
         started = time.perf_counter()
         camera = self._seen(context, depsgraph)
         space = context.space_data
-        self._cache.shown = lambda item: _shown(item, space)
+        self._shading = shading = view_shading(space.shading)
+        self._cache.shown = lambda item: _shown(item, space, shading.lights)
         self._live.begin(depsgraph.updates, depsgraph.scene.frame_current_final)
         warnings: list[str] = []
         scene = export_scene(
@@ -85,6 +89,7 @@ class Viewport:
             cache=self._cache,
             camera=camera or self._camera or _PLACEHOLDER,
             live=self._live,
+            view=shading,
         )
         self.failure, self.warnings = "", warnings
         scene = _replace(scene, camera=_PLACEHOLDER)  # to be compared whatever the view
@@ -101,8 +106,7 @@ class Viewport:
 
     def draw(self, context, depsgraph) -> None:
         """`view_draw`: draw the last picture; begin a new one where the view has changed."""
-        if self._scene is not None and self._skies.take():
-            self._live.forget_world()
+        if self._scene is not None and self._is_outdated(context.space_data):
             self.update(context, depsgraph)
         if self._scene is not None:
             # An add-on's own properties change without an update of the graph, even its copies.
@@ -119,6 +123,14 @@ class Viewport:
                 engine, depsgraph.scene, picture, self.thread.version, self.pixel_size
             )
         engine.update_stats("", self.line())
+
+    def _is_outdated(self, space) -> bool:
+        """Whether there is something to be read that the graph does not tell of."""
+        if self._skies.take():
+            self._live.forget_world()
+            return True
+        # Of an add-on's own properties, and of what scripts set, Blender tells nobody.
+        return view_shading(space.shading) != self._shading
 
     def line(self) -> str:
         """What the view says about itself in its corner."""
@@ -157,7 +169,10 @@ class Viewport:
     def _want(self, scene: Scene, original, camera: Camera | None) -> None:
         """Have this rendered, unless it is what is being rendered. original: Blender's scene"""
         settings, own = viewport_settings(original), original.iwis.viewport
-        denoise = denoising(denoise_settings(own)), own.denoise_start
+        wanted = denoise_settings(own)
+        if scene.asked.shown:  # passes keep their noise
+            wanted = dataclasses.replace(wanted, denoise=False)
+        denoise = denoising(wanted), own.denoise_start
         if denoise != self._denoise:
             self._denoise = denoise
             self.thread.denoise(*denoise)
@@ -193,8 +208,10 @@ def _redrawing(engine: weakref.ref) -> Callable[[], None]:
     return redraw
 
 
-def _shown(item, space) -> bool:
-    """Whether a view shows one of a graph's instances: local view, local collections."""
+def _shown(item, space, lights: bool) -> bool:
+    """Whether a view shows one of a graph's instances: local view, local collections, lights."""
+    if item.object.type == "LIGHT" and not lights:
+        return False
     owner = item.parent if item.is_instance and item.parent else item.object
     return owner.original.visible_in_viewport_get(space)
 

@@ -14,7 +14,8 @@ OVERLAYS = (
 )
 
 
-def _redraw_views(_properties, context):
+def redraw_views(_properties, context):
+    """Draw every 3D view again."""
     # Set by a script, an add-on's property redraws nothing by itself.
     for window in context.window_manager.windows:
         for area in window.screen.areas:
@@ -33,7 +34,7 @@ class IWISViewportProperties(bpy.types.PropertyGroup):
         max=LIMITS["error_threshold"][1],
         soft_max=1.0,
         precision=3,
-        update=_redraw_views,
+        update=redraw_views,
     )
     max_samples: IntProperty(
         name="Max Samples",
@@ -42,7 +43,7 @@ class IWISViewportProperties(bpy.types.PropertyGroup):
         min=LIMITS["max_samples"][0],
         max=LIMITS["max_samples"][1],
         soft_max=1024,
-        update=_redraw_views,
+        update=redraw_views,
     )
     pixel_filter: EnumProperty(
         name="Filter Type",
@@ -54,19 +55,19 @@ class IWISViewportProperties(bpy.types.PropertyGroup):
             ("GAUSSIAN", "Gaussian", "Gaussian filter, as Cycles'"),
         ],
         default="CENTER",
-        update=_redraw_views,
+        update=redraw_views,
     )
     denoise: BoolProperty(
         **switch(
             description="Take the noise out of the pictures of the rendered view, once fine",
-            update=_redraw_views,
+            update=redraw_views,
         )
     )
-    denoise_passes: EnumProperty(**choice("denoise_passes", VIEW_DEFAULTS, update=_redraw_views))
+    denoise_passes: EnumProperty(**choice("denoise_passes", VIEW_DEFAULTS, update=redraw_views))
     denoise_prefilter: EnumProperty(
-        **choice("denoise_prefilter", VIEW_DEFAULTS, update=_redraw_views)
+        **choice("denoise_prefilter", VIEW_DEFAULTS, update=redraw_views)
     )
-    denoise_quality: EnumProperty(**choice("denoise_quality", VIEW_DEFAULTS, update=_redraw_views))
+    denoise_quality: EnumProperty(**choice("denoise_quality", VIEW_DEFAULTS, update=redraw_views))
     denoise_start: IntProperty(
         name="Start Sample",
         description="The samples that a pixel has taken before the view is denoised",
@@ -74,12 +75,12 @@ class IWISViewportProperties(bpy.types.PropertyGroup):
         min=0,
         max=LIMITS["max_samples"][1],
         soft_max=1024,
-        update=_redraw_views,
+        update=redraw_views,
     )
     overlay: EnumProperty(
         name="Show",
         description="What the rendered view shows",
         items=OVERLAYS,
         default="COMBINED",
-        update=_redraw_views,
+        update=redraw_views,
     )

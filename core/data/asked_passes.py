@@ -65,7 +65,8 @@ class AskedPasses(NamedTuple):
     mist, uv: None = they are not wanted either; mattes: the kinds of Cryptomatte
     that are wanted; groups: of lights, none = they are not wanted; roughness, catcher: whether they
     are, Combined then has no shadow catchers; solid: the opacity from which on a surface is in data
-    passes whole (Blender's Alpha Threshold), None = it is as the picture shows it."""
+    passes whole (Blender's Alpha Threshold), None = it is as the picture shows it; shown: the layer
+    that a window shows in place of Combined, "" = none."""
 
     occlusion_distance: float = 0.0
     mist: Mist | None = None
@@ -75,6 +76,7 @@ class AskedPasses(NamedTuple):
     roughness: bool = False
     catcher: bool = False
     solid: float | None = None
+    shown: str = ""
 
 
 NO_PASSES = AskedPasses()

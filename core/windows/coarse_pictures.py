@@ -12,7 +12,7 @@ import numpy as np
 from ..machine.watch import StopFlag
 from ..scene import Camera, Scene
 from ..tiles.tile_job import Job
-from .shown_picture import Picture, advance, new_shown_layers, tile_works
+from .shown_picture import SHOWN, Picture, advance, new_shown_layers, tile_works
 
 # Pixels of the frame to either side of one pixel of a picture, the finest first.
 STEPS = (1, 2, 4, 8, 16)
@@ -67,8 +67,9 @@ def _seen_by(scene: Scene, camera: Camera) -> Scene:
 def _coarse_picture(job: Job, step: int, pace: Pace) -> Picture:
     """A picture of a few samples a pixel, with a bit of it missing if it was stopped."""
     started = time.perf_counter()
-    region = job.scene.camera.region
-    picture = Picture(step, region, new_shown_layers(region), 0.0, False)
+    region, asked = job.scene.camera.region, job.scene.asked
+    layers = new_shown_layers(region, asked)
+    picture = Picture(step, region, layers, 0.0, False, asked.shown or SHOWN[0])
     for _ in advance(tile_works(job), COARSE_SAMPLES, picture.layers, job):
         pass
     if not job.stop.is_set():

@@ -25,7 +25,7 @@ from ..surfaces.near_rays import with_near_rays
 from ..tiles.tile_job import Job
 from ..unit_square.sequence import common_points
 from .coarse_pictures import COARSE_SAMPLES, Pace, enlarge, show_coarse
-from .shown_picture import Picture, advance, new_shown_layers, tile_works
+from .shown_picture import SHOWN, Picture, advance, new_shown_layers, tile_works
 
 _SECONDS_BETWEEN_PICTURES = 0.15
 
@@ -81,7 +81,7 @@ class _Rounds:
 
     def __init__(self, job: Job, coarse: Picture | None, show, denoiser: ViewDenoiser):
         self._job, self._show, self._denoiser = job, show, denoiser
-        self._layers = new_shown_layers(job.scene.camera.region)
+        self._layers = new_shown_layers(job.scene.camera.region, job.scene.asked)
         self._guided = None
         if denoiser.begin():
             height, width = self._layers["combined"].shape[:2]
@@ -125,8 +125,9 @@ class _Rounds:
         return picture._replace(layers={**picture.layers, "combined": combined})
 
     def _picture(self, number, rounds) -> Picture:
-        region = self._job.scene.camera.region
-        return Picture(1, region, self._layers, number / len(rounds), False)
+        scene = self._job.scene
+        fraction, shown = number / len(rounds), scene.asked.shown or SHOWN[0]
+        return Picture(1, scene.camera.region, self._layers, fraction, False, shown)
 
     def _tell(self, picture: Picture) -> None:
         self._shown_at = time.perf_counter()

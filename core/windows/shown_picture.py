@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..denoising.denoise import Guided
+from ..data.asked_passes import AskedPasses, channels_of
+from ..denoising.denoise import DATA_LAYERS, Guided, data_layers
 from ..film import LAYERS
 from ..machine.turns import Turns
 from ..render import make_tile, worker_count
@@ -17,7 +18,7 @@ from ..scene import Scene
 from ..tiles.tile_job import Job, TileWork
 from ..tiles.tiles import tile_rects
 
-# What a picture carries, of film.LAYERS.
+# What every picture carries, of film.LAYERS.
 SHOWN = ("combined", "samples", "error", "visibility")
 _TILE_PX = 32  # at the most: a coarse picture has few pixels, and all threads are to have some
 
@@ -27,8 +28,10 @@ class Picture(NamedTuple):
 
     step: pixels of the frame that a pixel of the layers covers, to either side
     region: (x0, y0, x1, y1) of the frame that the layers cover, in units of ``step``
-    layers: of SHOWN, float32 (h, w, channels), row 0 at the bottom; with step 1 they go on changing
+    layers: of SHOWN, and ``shown``: float32 (h, w, channels), row 0 at the bottom; with step 1 they
+        go on changing
     fraction: of the rounds that may come; converged: no sample is wanted any more
+    shown: the layer that is looked at, of film.LAYERS, denoise.DATA_LAYERS or a matte
     """
 
     step: int
@@ -36,6 +39,7 @@ class Picture(NamedTuple):
     layers: dict[str, np.ndarray]
     fraction: float
     converged: bool
+    shown: str = "combined"
 
 
 def tile_works(job: Job) -> list[TileWork]:
@@ -43,9 +47,12 @@ def tile_works(job: Job) -> list[TileWork]:
     return [make_tile(job, rect) for rect in tile_rects(job.scene.camera.region, tile_px)]
 
 
-def new_shown_layers(region) -> dict[str, np.ndarray]:
-    x0, y0, x1, y1 = region
-    return {name: np.zeros((y1 - y0, x1 - x0, LAYERS[name]), np.float32) for name in SHOWN}
+def new_shown_layers(region, asked: AskedPasses) -> dict[str, np.ndarray]:
+    """Picture.layers, zero."""
+    (x0, y0, x1, y1), channels = region, LAYERS | DATA_LAYERS
+    channels |= {matte.layer: channels_of(matte.levels) for matte in asked.mattes}
+    names = dict.fromkeys((*SHOWN, asked.shown or SHOWN[0]))
+    return {name: np.zeros((y1 - y0, x1 - x0, channels[name]), np.float32) for name in names}
 
 
 def advance(
@@ -95,7 +102,10 @@ def advance(
 def _write(work: TileWork, layers: dict, scene: Scene, guided: Guided | None) -> None:
     tile = work.develop()
     x, y = tile.x - scene.camera.region[0], tile.y - scene.camera.region[1]
-    for name in SHOWN:
-        layers[name][y : y + tile.height, x : x + tile.width] = tile.layers[name]
+    made = tile.layers
+    if scene.asked.shown in DATA_LAYERS:
+        made = made | data_layers(made, scene)
+    for name, layer in layers.items():
+        layer[y : y + tile.height, x : x + tile.width] = made[name]
     if guided is not None:
         guided.take(Guided.of_layers(tile.layers, scene), x, y)

@@ -14,6 +14,7 @@ lamps                        lights to rows, with their nodes and pictures
 placed                       instances and copies, one table of triangles, what programs ask of it
 motion                       camera, objects and shapes at other times; the Vector pass
 asked, aovs                  passes on request: mist, mattes, ambient occlusion, what nodes write
+view_shading                 what a window shows otherwise than a render: its world, one pass
 bake                         triangles of an object for the texels that Blender wants baked
 """
 
@@ -24,12 +25,12 @@ import dataclasses
 import bpy
 import numpy as np
 
-from ...core.data.asked_passes import NO_PASSES
+from ...core.data.asked_passes import AskedPasses
 from ...core.data.program import Shaders, SurfaceData
 from ...core.lamplight.emitters import Told, with_emitters
 from ...core.scene import NO_MEASURED, MeasuredBrdfs, Scene
 from .aovs import AovExport, export_aovs, no_aovs
-from .asked import occlusion_distance, read_asked
+from .asked import asked_in_view, occlusion_distance, read_asked
 from .cameras.camera import export_camera
 from .errors import ExportCancelled, ExportError
 from .images.texel_cache import TexelCache
@@ -47,6 +48,8 @@ from .placed.surface_data import surface_data
 from .shaders.material import MaterialExport, export_shaders
 from .shaders.measured import add_measured, without_measured
 from .shaders.node_values import NodeReader
+from .view_shading import AS_RENDERED, ViewShading
+from .worlds.studio_light import read_studio_light
 from .worlds.world import NO_LIGHT, NO_WORLD, is_in_layer, read_world, world_of
 from .worlds.world_picture import LEAST_IN_WINDOW
 
@@ -83,6 +86,7 @@ def export_scene(
     camera=None,
     own_camera=None,
     live: LiveExport | None = None,
+    view: ViewShading = AS_RENDERED,
     geometry: list[MeshExport] | None = None,
     written_out: bool = False,
     diced: bool = True,
@@ -91,7 +95,7 @@ def export_scene(
 
     region: as for export_camera; cache: as for export_mesh and read_world
     camera: a core.scene.Camera in place of the scene's; own_camera: own of export_camera
-    live: what of a window need not be read
+    live: what of a window need not be read; view: what it shows otherwise than a render
     warnings: gets one line for all that is rendered otherwise than Cycles would
     geometry: gets what the mesh table was made of
     written_out: whether all triangles of all instances are to be in the mesh table
@@ -104,7 +108,7 @@ def export_scene(
     texels.size, texels.frame = texture_size(depsgraph), depsgraph.scene.frame_current
     if live is not None:
         live.use(texels.size)
-    shading = _Shading(depsgraph, live, texels, cancelled, warnings)
+    shading = _Shading(depsgraph, live, view, texels, cancelled, warnings)
     copying = None if written_out else Copying(shading.materials_of, _pixels(camera, live))
     dicing = Dicing(depsgraph, camera) if diced else None
     own = copying, dicing, culling_of(depsgraph, camera) if diced else None
@@ -121,7 +125,9 @@ def export_scene(
     if read is not None:
         read.append(geometry)
     shaders = _shaders(geometry, materials, aovs, surface, occlusion_distance(depsgraph))
-    own = geometry, materials, measured, shaders, world, camera
+    own = depsgraph, geometry
+    asked = read_asked(*own) if live is None else asked_in_view(*own, view.shown)
+    own = geometry, materials, measured, shaders, world, camera, asked
     unlit = _without_lamps(depsgraph, *own, in_window=live is not None)
     return _with_lamps(unlit, geometry, texels, warnings)
 
@@ -134,9 +140,10 @@ def _without_lamps(
     shaders: Shaders | None,
     world,
     camera,
+    asked: AskedPasses,
     in_window: bool,
 ) -> Scene:
-    """A Scene of its parts. world: of read_world; in_window: no passes are asked for there."""
+    """A Scene of its parts. world: of read_world; in_window: its objects may be moved there."""
     scene = depsgraph.scene_eval
     placed = in_window and geometry.rest is None
     return Scene(
@@ -153,7 +160,7 @@ def _without_lamps(
         transparent_film=scene.render.film_transparent,
         measured=measured or NO_MEASURED,
         exposure=film_exposure(scene),
-        asked=NO_PASSES if in_window else read_asked(depsgraph, geometry),
+        asked=asked,
         object_to_world=_places(geometry) if placed else None,
         copies=geometry.copies,
     )
@@ -168,8 +175,9 @@ def _pixels(camera, live) -> int:
 class _Shading:
     """The materials and the world of a graph; of a window what has changed alone is read."""
 
-    def __init__(self, depsgraph, live: LiveExport | None, texels, cancelled, warnings: list[str]):
-        self._depsgraph, self._cancelled, self._warnings = depsgraph, cancelled, warnings
+    def __init__(self, depsgraph, live, view: ViewShading, texels, cancelled, warnings: list[str]):
+        self._view, self._depsgraph = view, depsgraph
+        self._cancelled, self._warnings = cancelled, warnings
         self._keep = (live or LiveExport()).keep
         self._texels, self._in_window = texels, live is not None
         self._found = None
@@ -197,7 +205,10 @@ class _Shading:
         return self.of(materials, users)[0]
 
     def world(self):
-        """What read_world gives."""
+        """What read_world gives, or what stands for it."""
+        if self._view.studio is not None:
+            own = self._view.studio, self._warnings, self._texels
+            return read_studio_light(self._depsgraph, *own)
         own = self._texels, self._cancelled, LEAST_IN_WINDOW if self._in_window else None
         return self._keep(
             "world",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...core.data.asked_passes import AskedPasses, Matte, Mist, UvMaps, matte_ids
-from ..passes import matte_layer, wanted_mattes
+from ...core.data.asked_passes import NO_PASSES, AskedPasses, Matte, Mist, UvMaps, matte_ids
+from ..passes import MATTES, matte_layer, wanted_mattes
 from .objects.light_groups import read_groups
 from .placed.mesh import MeshExport
 from .placed.surface_data import parts_with, surface_data
@@ -17,6 +17,8 @@ _MIST = Mist(0.0, 100.0, 1.0)
 _POWERS = {"QUADRATIC": 2.0, "LINEAR": 1.0, "INVERSE_QUADRATIC": 0.5}
 _OF_WHOLE_SURFACES = ("normal", "uv", "vector", "z", "position", "object_index", "material_index")
 _UV = "uv:"  # the active map
+_LEVELS_SEEN = 6  # mattes of a pixel that a window shows, mixed
+_SOLID_SEEN = 0.5  # Alpha Threshold of Cycles' window, whatever a view layer's
 # What Cycles calls what has no material.
 _NO_MATERIAL = "default_surface"
 
@@ -28,7 +30,7 @@ def read_asked(depsgraph, geometry: MeshExport) -> AskedPasses:
     if layer.use_pass_ambient_occlusion:
         occlusion = occlusion_distance(depsgraph)
     if layer.use_pass_mist:
-        mist = _MIST if world is None else _mist_of(world.mist_settings)
+        mist = _mist_seen(world)
     if layer.use_pass_uv:
         uv = uv_maps(geometry)
     levels = layer.pass_cryptomatte_depth
@@ -39,6 +41,27 @@ def read_asked(depsgraph, geometry: MeshExport) -> AskedPasses:
     catcher = own is not None and own.use_pass_shadow_catcher
     solid = float(layer.pass_alpha_threshold) if _asks_data(layer) else None
     return AskedPasses(occlusion, mist, uv, mattes, groups, catcher=catcher, solid=solid)
+
+
+def asked_in_view(depsgraph, geometry: MeshExport, shown: str) -> AskedPasses:
+    """Of a window that shows a layer in place of Combined, whatever the view layer asks for.
+
+    shown: of AskedPasses
+    The view layer's Alpha Threshold does not count, as in Cycles' window, which has its own.
+    """
+    if not shown:
+        return NO_PASSES
+    world = world_of(depsgraph)
+    kinds = [kind for kind in MATTES if matte_layer(kind) == shown]
+    return AskedPasses(
+        occlusion_distance=occlusion_distance(depsgraph) if shown == "ambient_occlusion" else 0.0,
+        mist=_mist_seen(world) if shown == "mist" else None,
+        uv=uv_maps(geometry) if shown == "uv" else None,
+        mattes=tuple(_matte(kind, _LEVELS_SEEN, geometry) for kind in kinds),
+        catcher=shown == "shadow_catcher",
+        solid=_SOLID_SEEN if shown in _OF_WHOLE_SURFACES else None,
+        shown=shown,
+    )
 
 
 def _asks_data(layer) -> bool:
@@ -66,7 +89,10 @@ def uv_maps(geometry: MeshExport) -> UvMaps:
     return UvMaps(row, corners, found.mirrored)
 
 
-def _mist_of(settings) -> Mist:
+def _mist_seen(world) -> Mist:
+    if world is None:
+        return _MIST
+    settings = world.mist_settings
     return Mist(float(settings.start), float(settings.depth), _POWERS[settings.falloff])
 
 

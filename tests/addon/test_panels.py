@@ -18,6 +18,7 @@ from iwis.iwis_addon import (
     panels_passes,
     panels_simplify,
     panels_status,
+    panels_view,
     panels_world,
 )
 from iwis.iwis_addon.job import RenderJob, RenderRecord
@@ -25,6 +26,7 @@ from iwis.iwis_addon.preferences import IWISPreferences
 from iwis.iwis_addon.sampling_presets import SETTINGS
 from iwis.iwis_addon.settings import render_settings
 from support.panel_layout import Layout
+from support.view_space import view_space
 
 # Panels without which a user cannot edit what IWIS renders.
 NEEDED = (
@@ -104,6 +106,7 @@ def test_unregister_takes_everything_back():
         assert not [name for name in compatible() if not name.startswith("IWIS_")]
         assert not hasattr(bpy.types.Scene, "iwis")
         assert not hasattr(bpy.types.ViewLayer, "iwis")
+        assert not hasattr(bpy.types.View3DShading, "iwis")
         assert not [name for name in dir(bpy.types) if name.startswith("IWIS")]
         assert len(bpy.app.handlers.render_init) == counts["render_init"] - 1
         assert len(bpy.app.handlers.load_pre) == counts["load_pre"] - 2
@@ -192,6 +195,29 @@ def test_lamps_can_be_set(scene, kind):
     assert not panels_lamp.IWIS_PT_lamp_settings.poll(types.SimpleNamespace(engine="IWIS"))
 
 
+def test_the_shading_menu_is_cycles(scene):
+    """Of the rendered view of IWIS alone: lamps, world, what stands for it, and the pass."""
+    space = view_space()
+    context = types.SimpleNamespace(engine="IWIS", space_data=space)
+    lighting, render_pass = panels_view.CLASSES
+
+    def drawn(cls):
+        panel = types.SimpleNamespace(layout=Layout())
+        cls.draw(panel, context)
+        return panel.layout.drawn
+
+    assert all(cls.poll(context) for cls in panels_view.CLASSES)
+    scenes = ["use_scene_lights_render", "use_scene_world_render"]
+    assert drawn(lighting) == scenes and drawn(render_pass) == ["render_pass"]
+    space.shading.use_scene_world_render = False
+    studio = ["studiolight_rotate_z", "studiolight_intensity", "studiolight_background_alpha"]
+    assert drawn(lighting) == [*scenes, "studio_light", "screen.userpref_show", *studio]
+    space.shading.type = "SOLID"
+    assert not any(cls.poll(context) for cls in panels_view.CLASSES)
+    space.shading.type, context.engine = "RENDERED", "CYCLES"
+    assert not any(cls.poll(context) for cls in panels_view.CLASSES)
+
+
 @pytest.mark.parametrize("kind", PANORAMAS)
 def test_every_panorama_can_be_set(scene, kind):
     """With all its numbers, for a camera of type PANO only."""
@@ -213,7 +239,7 @@ def test_every_panorama_can_be_set(scene, kind):
 
 def test_every_property_and_operator_has_a_tooltip_of_one_sentence(scene):
     """No full stop inside, none at the end: as Blender's own."""
-    groups = [scene.iwis, scene.iwis.viewport, scene.view_layers[0].iwis]
+    groups = [scene.iwis, scene.iwis.viewport, scene.view_layers[0].iwis, view_space().shading.iwis]
     texts = {
         f"{group.bl_rna.name}.{name}": group.bl_rna.properties[name].description
         for group in groups

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
+from iwis.core.data.asked_passes import NO_PASSES
 from iwis.iwis_addon.export.cameras.camera import export_camera
 from iwis.iwis_addon.export.same import same
 from iwis.iwis_addon.view_camera import view_camera
@@ -158,7 +159,8 @@ def test_a_view_takes_several_points_a_pixel_where_one_says_nothing(seen, monkey
     monkeypatch.setattr(viewport, "_replace", lambda scene, **changes: scene)
     for use_dof, scatters in ((False, False), (True, False), (False, True)):
         seen.camera.data.dof.use_dof = use_dof
-        scene = SimpleNamespace(shaders=SimpleNamespace(scatters=scatters))
+        shaders = SimpleNamespace(scatters=scatters)
+        scene = SimpleNamespace(shaders=shaders, asked=NO_PASSES)
         viewport.Viewport._want(view, scene, seen, view_camera(*make_view(seen), 1))
     assert [own.pixel_filter for own in asked] == ["CENTER", "BOX", "BOX"]
 
@@ -177,7 +179,7 @@ def test_a_view_is_denoised_otherwise_without_a_new_picture(seen, monkeypatch):
     told, view = [], standing_view()
     view.thread.denoise = lambda denoising, start: told.append((denoising.settings, start))
     monkeypatch.setattr(viewport, "_replace", lambda scene, **changes: scene)
-    scene = SimpleNamespace(shaders=None)
+    scene = SimpleNamespace(shaders=None, asked=NO_PASSES)
     camera, own = view_camera(*make_view(seen), 1), seen.iwis.viewport
     for change, restarts in (
         ({}, 1),

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from iwis.core.camera.camera import rays_through
-from iwis.core.denoising.denoise import Denoising
+from iwis.core.data.asked_passes import AskedPasses, Matte, matte_ids
+from iwis.core.denoising.denoise import Denoising, data_layers
 from iwis.core.denoising.view_denoiser import ViewDenoiser
 from iwis.core.machine.watch import Cancelled, StopFlag
 from iwis.core.render_cache import RenderCache
@@ -70,6 +71,24 @@ def test_the_last_picture_is_as_good_as_the_final_render(settings):
     assert samples == pytest.approx(1.0, abs=0.0 if exact else 0.2)  # a round more, a round less
     light, expected = last.layers["combined"].mean(), final["combined"].mean()
     assert light == pytest.approx(expected, rel=0.02)  # of 1100 pixels with some 10 samples each
+
+
+@pytest.mark.parametrize("shown", ["normal", "glossy_direct", "denoising_albedo", "matte"])
+def test_every_picture_has_the_layer_that_is_looked_at(shown):
+    """Coarse ones too; the last one's is the final render's, and no more is carried along."""
+    scene = varied_scene()
+    number = np.arange(len(scene.object_pass_index), dtype=np.int32)
+    names = tuple(map(str, number))
+    mattes = (Matte("matte", 3, False, number, names, matte_ids(names)),)
+    asked = AskedPasses(shown=shown, mattes=mattes if shown == "matte" else ())
+    scene = dataclasses.replace(scene, asked=asked)
+    pictures = run(scene, stop_rule="FIXED")
+    assert {picture.shown for picture in pictures} == {shown}
+    assert all(set(picture.layers) == {*SHOWN, shown} for picture in pictures)
+    assert all(picture.layers[shown].any() for picture in pictures)
+    final, _ = make_picture(scene, **SETTINGS | {"stop_rule": "FIXED"})
+    expected = (final | data_layers(final, scene))[shown]
+    np.testing.assert_allclose(pictures[-1].layers[shown], expected, rtol=1e-4, atol=1e-5)
 
 
 def test_pictures_get_finer_and_the_first_is_coarse():

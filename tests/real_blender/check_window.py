@@ -2,12 +2,13 @@
 
     python tests/real_blender/check_window.py
         [--quick | --life | --rules | --measure | --shots FOLDER | --render FOLDER |
-         --denoise FOLDER | --bake FOLDER] [--seed N]
+         --denoise FOLDER | --bake FOLDER | --shading FOLDER] [--seed N]
 
 First the extension's life, from installing its zip to its removal (life_in_window.py; alone with
 --life). Then previews, Escape in a render and the render after it (render_in_window.py; alone with
---render), the denoiser's box (denoise_in_window.py; alone with --denoise), and bakes
-(bake_in_window.py; alone with --bake). Then rules of what begins the picture anew (restarts.py;
+--render), the denoiser's box (denoise_in_window.py; alone with --denoise), bakes
+(bake_in_window.py; alone with --bake) and the shading menu beside Cycles' (shading_in_window.py;
+alone with --shading). Then rules of what begins the picture anew (restarts.py;
 alone with --rules), and a hundred and more edits, undo, redo, engine switches, file loads and
 window resizes, each a step of edit_in_window.py; --quick does fewer of them. --measure prints
 latencies of the rendered view (measure_in_window.py), --shots takes the pictures of docs/
@@ -28,6 +29,7 @@ _ALONE = {
     "render": "render_in_window.py",
     "denoise": "denoise_in_window.py",
     "bake": "bake_in_window.py",
+    "shading": "shading_in_window.py",
 }
 
 
@@ -108,6 +110,7 @@ def main() -> None:
         (["--render"], {"type": Path, "help": "only previews and renders; pictures go here"}),
         (["--denoise"], {"type": Path, "help": "only the denoiser; pictures go here"}),
         (["--bake"], {"type": Path, "help": "only bakes; pictures go here"}),
+        (["--shading"], {"type": Path, "help": "only the shading menu; pictures go here"}),
         (["--shots"], {"type": Path, "help": "write the screenshots of the docs here instead"}),
         (["--rules"], {"action": "store_true", "help": "no random edits, and none but restarts"}),
         (["--life"], {"action": "store_true", "help": "only installing, disabling, removing"}),

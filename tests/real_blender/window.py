@@ -90,5 +90,7 @@ class Window:
         ).stdout
 
     def screenshot(self, path: Path) -> None:
-        """What the screen shows now."""
-        self.run("scrot", "-o", "-q", "90", str(path))
+        """What the screen shows now; a file of that name is whole."""
+        part = path.with_name(f"part-{path.name}")
+        self.run("scrot", "-o", "-q", "90", str(part))
+        part.replace(path)

@@ -41,6 +41,9 @@ class Layout:
         assert node.name in tree.nodes and socket.node == node
         self.drawn.append("nodes")
 
+    def template_icon_view(self, owner, name, **_options):
+        self.prop(owner, name)
+
     def template_preview(self, data):
         assert data is None or isinstance(data, bpy.types.ID)
         self.drawn.append("preview")
@@ -51,4 +54,4 @@ class Layout:
     def row(self, **_options):
         return self
 
-    column = row
+    column = split = row

@@ -76,7 +76,7 @@ def read_world(
     if world is None:
         warnings.append(NO_WORLD)
         return WorldExport(_uniform(_BLACK, "no world", True))
-    visible = _visible_to_camera(world)
+    visible = is_visible_to_camera(world)
     if not is_in_layer(depsgraph_or_scene):
         return WorldExport(_uniform(_BLACK, world.name, visible))
     seen = seen_tree(world)
@@ -104,7 +104,7 @@ class _Export:
         if output is None or follow(output.inputs["Surface"]).node is None:
             if not world.original.is_missing:  # of a library, which is told of by itself
                 warn(output, "nothing is linked to the Surface of the World Output: black")
-            return WorldExport(_uniform(_BLACK, world.name, _visible_to_camera(world)))
+            return WorldExport(_uniform(_BLACK, world.name, is_visible_to_camera(world)))
         if output.inputs["Volume"].is_linked:
             warn(output, "the world's volume is not supported: it is left out")
         if not getattr(getattr(world, "cycles", None), "use_shadows", True):
@@ -139,7 +139,7 @@ class _Export:
         """The map of a tree that is one colour, or one place in its images; else None."""
         if not isinstance(tree.value, Ref):
             color = self._mended(np.float32(tree.value), slot, None) * self._usable(tree.strength)
-            return _uniform(color, self._world.name, _visible_to_camera(self._world))
+            return _uniform(color, self._world.name, is_visible_to_camera(self._world))
         picture = picture_of_texels(tree, slot, self._cache, self._threads, least_height)
         return None if picture is None else self._map(picture, tree, slot)
 
@@ -158,7 +158,7 @@ class _Export:
             projection=picture.projection,
             interpolation=picture.interpolation,
             strength=self._usable(tree.strength),
-            visible_to_camera=_visible_to_camera(self._world),
+            visible_to_camera=is_visible_to_camera(self._world),
             name=picture.name or self._world.name,
         )
 
@@ -193,7 +193,7 @@ def _hidden_from(world) -> list[str]:
     return [kind for kind in ("diffuse", "glossy") if not getattr(visibility, kind, True)]
 
 
-def _visible_to_camera(world) -> bool:
+def is_visible_to_camera(world) -> bool:
     """Ray visibility belongs to Cycles' settings, there as long as its add-on is enabled."""
     visibility = getattr(world, "cycles_visibility", None)
     return True if visibility is None else visibility.camera
