@@ -90,11 +90,11 @@ def live(blender, folder: Path, package: Path) -> None:
     run_script(fresh, folder, "life_in_window.py", [sample], [folder, package.resolve()])
 
 
-def with_statue(blender, folder: Path, script: str) -> None:
+def with_statue(blender, folder: Path, script: str, quick: bool = False) -> None:
     """One of the scripts that take the statue, and a folder for their pictures."""
     folder.mkdir(parents=True, exist_ok=True)
     sample = ROOT / "sample_blends" / "statue.blend"
-    run_script(blender, folder, script, [sample], [folder.resolve()])
+    run_script(blender, folder, script, [sample], [folder.resolve(), *["quick"] * quick])
 
 
 def _shared_kernels(folder: Path) -> dict[str, str]:
@@ -105,7 +105,7 @@ def _shared_kernels(folder: Path) -> dict[str, str]:
 def main() -> None:
     options = parse(
         __doc__,
-        (["--quick"], {"action": "store_true", "help": "fewer edits"}),
+        (["--quick"], {"action": "store_true", "help": "fewer edits, nothing beside Cycles"}),
         (["--measure"], {"action": "store_true", "help": "measure latencies instead"}),
         (["--render"], {"type": Path, "help": "only previews and renders; pictures go here"}),
         (["--denoise"], {"type": Path, "help": "only the denoiser; pictures go here"}),
@@ -129,7 +129,7 @@ def main() -> None:
             return
         for chosen, script in _ALONE.items():
             if getattr(options, chosen):
-                with_statue(blender, getattr(options, chosen), script)
+                with_statue(blender, getattr(options, chosen), script, options.quick)
                 return
         if not options.rules:
             live(blender, folder, package)
@@ -140,7 +140,7 @@ def main() -> None:
             run_script(blender, folder, "edit_in_window.py", [samples / "statue.blend"], words)
             return
         for name, script in _ALONE.items():
-            with_statue(blender, folder / name, script)
+            with_statue(blender, folder / name, script, options.quick)
         count = QUICK_EDITS if options.quick else EDITS
         words = [options.seed, count, folder, samples / "turntable.blend"]
         run_script(blender, folder, "edit_in_window.py", [samples / "statue.blend"], words)
