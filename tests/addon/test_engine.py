@@ -1,9 +1,13 @@
 """Renders from end to end, as Blender calls the engine."""
 
+import collections
+import time
+
 import bpy
 import numpy as np
 import pytest
 
+from iwis.core import render as core_render
 from iwis.core.exr import read_exr_layers
 from iwis.iwis_addon import stereo
 from iwis.iwis_addon.job import RenderJob, stats_by_frame
@@ -114,6 +118,22 @@ def test_both_eyes_see_what_cycles_sees(cube_scene, tmp_path, mode):
     assert views_differ_by(cube_scene, tmp_path, ("_L", "_R")) < 1e-4  # float32 of 5 m
 
 
+def _hold_back_tiles(monkeypatch, first: int) -> None:
+    """Have all tiles of a render but so many wait until it is cancelled: else a busy machine may
+    have done the last one before anybody asks."""
+    begun, make = collections.Counter(), core_render.make_tile
+
+    def held_back(job, rect):
+        begun[job.stop] += 1
+        late = begun[job.stop] > first
+        deadline = time.monotonic() + 60.0
+        while late and not job.stop.is_set() and time.monotonic() < deadline:
+            time.sleep(0.002)
+        return make(job, rect)
+
+    monkeypatch.setattr(core_render, "make_tile", held_back)
+
+
 @pytest.mark.parametrize("way", ["border", "denoised", "cancelled"])
 def test_views_that_arrive_whole_are_the_same(cube_scene, tmp_path, monkeypatch, way):
     """A window gets each eye's picture at once, all passes of it; after a cancel what is done."""
@@ -126,6 +146,7 @@ def test_views_that_arrive_whole_are_the_same(cube_scene, tmp_path, monkeypatch,
     monkeypatch.setattr(BlenderSink, "_deliver", lambda *of: (results.append(of[1:5]), end(*of)))
     if way == "cancelled":
         monkeypatch.setattr(BlenderSink, "cancelled", lambda sink: sink.tiles_written >= 3)
+        _hold_back_tiles(monkeypatch, 4)
 
     def eyes(whole: bool) -> list:
         monkeypatch.setattr(stereo, "at_once", lambda view: whole and bool(view))
