@@ -9,6 +9,7 @@ _RAY_OUTPUTS = {"Incoming", "Backfacing", "Ray Length", "Ray Depth", "Transparen
 COORDINATES = ("ShaderNodeTexCoord", "ShaderNodeNewGeometry", "ShaderNodeObjectInfo")
 # Kinds that look at nothing but values at the corners; images do if their coordinates do.
 _OF_CORNERS = ("ShaderNodeUVMap", "ShaderNodeVertexColor", "attribute")
+_WEIGHTS = ("weigh", "product", "sum", "scale", "convert")
 _AROUND = ("ShaderNodeAmbientOcclusion", "ShaderNodeBevel")
 
 
@@ -25,15 +26,46 @@ def ops_behind(program: Program, value: Value) -> list[Op]:
 
 def passes_by_place(program: Program) -> bool:
     """Whether what a program lets through is a matter of the place alone, and not of the ray."""
-    for op in ops_behind(program, program.transparent):
-        if op.kind in _OF_RAYS or _RAY_OUTPUTS & op.settings.get("outputs", set()):
-            return False
-    return True
+    return not any(map(_is_of_ray, ops_behind(program, program.transparent)))
+
+
+def passes_by_angle(program: Program) -> bool:
+    """Whether what a program lets through is a matter of the place, of the angle between ray and
+    normal, and of the side that it meets."""
+    return all(
+        _is_of_angle(op) or not _is_of_ray(op) for op in ops_behind(program, program.transparent)
+    )
+
+
+def _is_of_ray(op: Op) -> bool:
+    return op.kind in _OF_RAYS or bool(_RAY_OUTPUTS & op.settings.get("outputs", set()))
+
+
+def _is_of_angle(op: Op) -> bool:
+    """The normal is the surface's own: a node may have another."""
+    if op.kind in _OF_RAYS:
+        return "Normal" not in op.inputs
+    return op.kind == "ShaderNodeNewGeometry" and op.settings["outputs"] == {"Backfacing"}
+
+
+def passes_alike(program: Program) -> bool:
+    """Whether it lets as much through everywhere, of rays that meet it at one angle."""
+    return all(map(_is_everywhere, ops_behind(program, program.transparent)))
+
+
+def _is_everywhere(op: Op) -> bool:
+    """Whether an operation makes of the same inputs the same everywhere."""
+    if op.kind in _OF_CORNERS or op.kind.startswith("ShaderNodeTex"):
+        return False
+    plain = op.kind.startswith("ShaderNode") and "outputs" not in op.settings
+    return plain or op.kind in _WEIGHTS or _is_of_angle(op) or op.kind == "ShaderNodeLightPath"
 
 
 def is_of_corners(op: Op) -> bool:
     """Whether an operation looks at nothing but values at a triangle's corners: so that triangles
     which have the same there look the same, whatever object they are of."""
+    if _is_of_angle(op):
+        return True
     outputs = op.settings.get("outputs", set())
     if op.kind == "ShaderNodeTexCoord":
         elsewhere = "world_to_object" in op.settings or op.settings.get("from_instancer")

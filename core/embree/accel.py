@@ -18,9 +18,10 @@ from ..machine.turns import aside
 from ..machine.watch import Cancelled
 from ..scene import TriangleMesh
 from .embree import EmbreeScene, can_filter
-from .embree_filter import LookFilter, Opacity, ShadowFilter
+from .embree_filter import LookFilter, ShadowFilter
 from .embree_hits import Gone, begin_rays, intersect_block, intersect_together
 from .embree_rays import ALL_COLORS, NOTHING, Traversal, occluded_block, occluded_within
+from .opacity_grids import Opacity
 from .triangle_pairs import Pairs, count_as_triangles, paired
 
 log = logging.getLogger(__name__)

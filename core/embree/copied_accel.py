@@ -17,9 +17,10 @@ from ..scene import TriangleMesh
 from .accel import Accel, ray_offset
 from .copied_rows import CopiedRows
 from .embree import EmbreeScene
-from .embree_filter import Opacity, ShadowFilter
+from .embree_filter import ShadowFilter
 from .embree_instances import InstanceArray, InstanceScene
 from .embree_rays import NOTHING
+from .opacity_grids import Opacity
 from .triangle_pairs import Pairs, count_as_triangles, paired
 
 _ALONE = 9  # of Pairs.turn
@@ -119,7 +120,7 @@ class CopiedAccel(Accel):
             first, last = triangles.min(), triangles.max()
             vertices = (vertices[first : last + 1] - middle).astype(np.float32)
             triangles = triangles - first
-        own = None if opacity is None else ShadowFilter(opacity._replace(row=opacity.row[rows]))
+        own = None if opacity is None else ShadowFilter(opacity.among(rows))
         pairs = paired(triangles) if own is None else None  # its filter asks for triangles
         faces = triangles if pairs is None else pairs.corners
         beside = self._parts[0] if self._parts else None

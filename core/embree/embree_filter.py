@@ -11,7 +11,6 @@ look, and go on behind a face, do not meet it again (embree_hits.py).
 from __future__ import annotations
 
 import ctypes
-from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -19,8 +18,9 @@ import numpy as np
 from .._jit import c_callback, kernel
 from ..machine.addresses import get_byte, get_float, get_int, get_word, put
 from .embree_rays import ALL_COLORS
+from .opacity_grids import ANGLES, Opacity, angle_of, passes_at
 
-_ONE = np.float32(1.0)
+_ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 _NEAR, _DIRECTION, _FAR, _ID = 3, 4, 8, 10  # rows of RTCRayN
 _U, _V, _TRIANGLE, _INSTANCE, _PLACE = 3, 4, 5, 7, 8  # rows of RTCHitN
 # A ray that goes on has its tnear so much before the face behind which it does: for Embree, whose
@@ -29,32 +29,7 @@ _U, _V, _TRIANGLE, _INSTANCE, _PLACE = 3, 4, 5, 7, 8  # rows of RTCHitN
 WELL_BEFORE = np.float32(1.0 - 2.0**-10)
 _EDGE = np.float32(2.0**-20)  # u, v and what is left of 1 are rounded to about 2^-23 there
 JUST_BEFORE, SAME_PLANE = np.float32(1.0 - 2.0**-21), np.float32(1.0 + 2.0**-21)
-_GROUPS = 32  # bytes before the address of the groups, in what a filter reads
-
-
-class Opacity(NamedTuple):
-    """Grids of a mesh's triangles.
-
-    row: int32 (triangles,), which grid; -1: opaque
-    start: int64 (grids,), where each begins in values; side: int32 (grids,), R
-    values: uint8, of 255 what passes at the corners: for each step v, R + 1 - v of them along u
-    colored: whether there are three such grids one after another, red, green, blue
-    """
-
-    row: np.ndarray
-    start: np.ndarray
-    side: np.ndarray
-    values: np.ndarray
-    colored: bool = False
-
-    @property
-    def arrays(self) -> tuple[np.ndarray, ...]:
-        """What a filter reads, in one piece each."""
-        return tuple(np.ascontiguousarray(array) for array in self[:4])
-
-    def same(self, other: Opacity | None) -> bool:
-        """Whether two are equal."""
-        return other is not None and all(map(np.array_equal, self, other))
+_GROUPS = 48  # bytes before the address of the groups, in what a filter reads
 
 
 class LookFilter:
@@ -76,7 +51,7 @@ class ShadowFilter(LookFilter):
     def __init__(self, opacity: Opacity):
         super().__init__()
         self._arrays, self.colored = opacity.arrays, opacity.colored
-        self._places = (ctypes.c_size_t * 4)(*(a.ctypes.data for a in self._arrays))
+        self._places = (ctypes.c_size_t * 6)(*(a.ctypes.data for a in self._arrays))
         self.function = (let_colors_through if self.colored else let_through).address
         self.data = ctypes.addressof(self._places)
 
@@ -89,28 +64,11 @@ class GroupFilter(LookFilter):
         shown = np.ascontiguousarray(groups)
         self._arrays = (*(() if opacity is None else opacity.arrays), shown)
         self.colored = opacity is not None and opacity.colored
-        places = [0] * (5 - len(self._arrays)) + [array.ctypes.data for array in self._arrays]
-        self._places = (ctypes.c_size_t * 5)(*places)
+        places = [0] * (7 - len(self._arrays)) + [array.ctypes.data for array in self._arrays]
+        self._places = (ctypes.c_size_t * 7)(*places)
         self.data, self.nearest = ctypes.addressof(self._places), show_and_pass_on.address
         both = show_and_let_colors_through if self.colored else show_and_let_through
         self.function = (show_groups if opacity is None else both).address
-
-
-@kernel
-def _passes(values, start, side, u, v):
-    """float32, of 255: what a grid lets through at (u, v)."""
-    x, y = u * np.float32(side), v * np.float32(side)
-    column, row = min(int(x), side - 1), min(int(y), side - 1)
-    row = max(min(row, side - 1 - column), 0)
-    x, y = x - np.float32(column), y - np.float32(row)
-    below = start + row * (side + 1) - row * (row - 1) // 2 + column
-    above = below + side + 1 - row
-    right, up = np.float32(get_byte(values + below + 1)), np.float32(get_byte(values + above))
-    if x + y <= _ONE or column + row + 1 >= side:
-        here = np.float32(get_byte(values + below))
-        return here + x * (right - here) + y * (up - here)
-    there = np.float32(get_byte(values + above + 1))
-    return there + (_ONE - x) * (up - there) + (_ONE - y) * (right - there)
 
 
 @kernel
@@ -128,11 +86,11 @@ def _drawn(ray, hit, row, u, v):
 
 
 @kernel
-def _blocked(blocked, drawn, values, start, side, u, v):
+def _blocked(blocked, drawn, values, start, side, u, v, angle, beyond):
     """The colors, bits of int32, that are blocked after a hit."""
-    corners = (side + 1) * (side + 2) // 2
+    corners = (side + 1) * (side + 2) // 2 * (1 if angle < 0 else ANGLES)
     for color in range(3):
-        if drawn >= _passes(values, start + color * corners, side, u, v):
+        if drawn >= passes_at(values, start + color * corners, side, u, v, angle, beyond):
             blocked |= 1 << color
     return blocked
 
@@ -144,23 +102,29 @@ def _let_through(arguments, colored):
     row = 4 * get_int(arguments + 40)
     rows, starts = get_word(grids), get_word(grids + 8)
     sides, values = get_word(grids + 16), get_word(grids + 24)
+    angled, normals = get_word(grids + 32), get_word(grids + 40)
     for lane in range(0, row, 4):
         if get_int(valid + lane) == 0:
             continue
         hit = hits + lane
-        grid = get_int(rows + 4 * get_int(hit + _TRIANGLE * row))
+        triangle = np.int64(get_int(hit + _TRIANGLE * row))
+        grid = get_int(rows + 4 * triangle)
         if grid < 0:
             continue
         start, side = get_word(starts + 8 * grid), get_int(sides + 4 * grid)
         u, v = get_float(hit + _U * row), get_float(hit + _V * row)
+        angle, beyond = -1, _ZERO
+        if get_byte(angled + grid):
+            angle, beyond = angle_of(rays + lane, hit, row, normals + 36 * triangle, u, v)
         if colored:
             place, drawn = rays + lane + _ID * row, _drawn(rays + lane, hit, row, u, v)
-            blocked = _blocked(get_int(place), drawn, values, start, side, u, v)
+            own = values, start, side, u, v, angle, beyond
+            blocked = _blocked(get_int(place), drawn, *own)
             if blocked != ALL_COLORS:
                 put(place, np.int32(blocked))
                 put(valid + lane, np.int32(0))
             continue
-        passing = _passes(values, start, side, u, v)
+        passing = passes_at(values, start, side, u, v, angle, beyond)
         if passing > np.float32(0.0) and _drawn(rays + lane, hit, row, u, v) < passing:
             put(valid + lane, np.int32(0))
 

@@ -73,7 +73,10 @@ class MovedAccel(Accel):
     def _own_hierarchy(self, cancelled) -> EmbreeScene:
         own, opacity = self._base.own_filter, self.opacity
         if opacity is not None:
-            own = ShadowFilter(opacity._replace(row=opacity.row[self._rows]))
+            own = opacity.among(self._rows)
+            if len(own.normals):
+                own = own._replace(normals=self.mesh.corner_normals[self._rows])
+            own = ShadowFilter(own)
         triangles = self.mesh.triangles[self._rows]
         scene = EmbreeScene(self.mesh.vertices, triangles, own, self._base.scene)
         if not scene.commit(cancelled) or cancelled():

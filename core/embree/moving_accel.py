@@ -16,9 +16,10 @@ from ..machine.watch import Cancelled
 from ..scene import Scene, TriangleMesh
 from .accel import Accel, ray_offset
 from .embree import EmbreeScene
-from .embree_filter import Opacity, ShadowFilter
+from .embree_filter import ShadowFilter
 from .embree_instances import InstanceScene
 from .embree_rays import NOTHING
+from .opacity_grids import Opacity
 
 
 class MovingAccel(Accel):
@@ -63,7 +64,7 @@ class MovingAccel(Accel):
 
     def _add_part(self, kind: int, rows, opacity, cancelled):
         """kind: 0, or 1 and up: of the motion's shapes; rows: of the mesh, ascending"""
-        own = None if opacity is None else ShadowFilter(opacity._replace(row=opacity.row[rows]))
+        own = None if opacity is None else ShadowFilter(opacity.among(rows))
         beside = self._parts[0] if self._parts else self._beside
         vertices, triangles = self.mesh.vertices, self.mesh.triangles[rows]
         if kind:

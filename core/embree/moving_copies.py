@@ -16,9 +16,9 @@ from .accel import among
 from .copied_accel import CopiedAccel
 from .copied_rows import CopiedRows
 from .embree import EmbreeScene
-from .embree_filter import Opacity
 from .embree_instances import InstanceScene
 from .moving_accel import MovingAccel
+from .opacity_grids import Opacity
 
 
 class MovingCopies(MovingAccel):
@@ -44,7 +44,7 @@ class MovingCopies(MovingAccel):
         self._beside = array and array.parts[0]
         self._own_rows = np.flatnonzero(own & ~copied).astype(np.int32)
         if opacity is not None:
-            opacity = opacity._replace(row=opacity.row[self._own_rows])
+            opacity = opacity.among(self._own_rows)
         own = motion.among(self._own_rows)
         super().__init__(among(mesh, self._own_rows), own, cancelled, opacity)
         self.mesh, self.offset = mesh, max(self.offset, self._copied.offset)

@@ -6,9 +6,9 @@ import dataclasses
 
 import numpy as np
 
-from ..data.program_ops import asks_around, passes_by_place
+from ..data.program_ops import asks_around, passes_by_angle
 from ..embree.embree import can_filter
-from ..embree.embree_filter import Opacity
+from ..embree.opacity_grids import Opacity
 from ..scene import CAMERA_RAYS, HOLDOUT, SHADOW_CATCHER, SHADOW_RAYS, Scene
 from .clear_materials import cut_materials
 from .opacity import bake_opacity
@@ -76,7 +76,7 @@ def ray_masks(scene: Scene) -> RayMasks | None:
     materials &= [program is None or not program.throws_whole_shadow for program in programs]
     able = can_filter()
     pairs = zip(materials, programs, strict=True)
-    baked = [able and cut and passes_by_place(program) for cut, program in pairs]
+    baked = [able and cut and passes_by_angle(program) for cut, program in pairs]
     cut = materials[mesh.material_index]
     with_grid = shadow & np.array(baked)[mesh.material_index]
     # Hits that are looked at one by one answer for all colors, and so do grids beside them.

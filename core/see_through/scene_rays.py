@@ -47,7 +47,7 @@ class PartAccel:
         if self.rows is not None:
             mesh = among(mesh, self.rows)
             if opacity is not None:
-                opacity = opacity._replace(row=opacity.row[self.rows])
+                opacity = opacity.among(self.rows)
             if motion is not None:
                 motion = motion.among(self.rows)
         if motion is None:
@@ -63,7 +63,10 @@ class PartAccel:
 
     def moved(self, mesh: TriangleMesh, moves: Moves, cancelled) -> PartAccel | None:
         """The same of a mesh that differs by moves; see moved_accel.moved."""
-        own = dataclasses.replace(self.accel.mesh, vertices=mesh.vertices)  # rays ask no normals
+        own = dataclasses.replace(self.accel.mesh, vertices=mesh.vertices)
+        if self.accel.opacity is not None and len(self.accel.opacity.normals):
+            normals = mesh.corner_normals if self.rows is None else mesh.corner_normals[self.rows]
+            own = dataclasses.replace(own, corner_normals=normals)
         other = copy.copy(self)
         other.accel = moved(self.accel, own, moves, cancelled)
         return None if other.accel is None else other

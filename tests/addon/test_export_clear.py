@@ -39,12 +39,15 @@ def test_opaque_alpha_needs_no_program(build):
 
 
 def test_colored_transparency(build):
-    """Its shadow has the color, unless the ray has a say in how much passes: that is told."""
+    """Its shadow has the color, unless the ray has a say in how much passes, by more than the angle
+    at which it comes: that is told."""
     tint = build.node("ShaderNodeBsdfTransparent", Color=(0.9, 0.5, 0.1, 1.0))
     assert only(build.surface(tint))[1] == []
     mix, facing = build.node("ShaderNodeMixShader"), build.node("ShaderNodeLayerWeight")
     build.link(facing.outputs["Facing"], mix.inputs[0])
     build.link(tint.outputs[0], mix.inputs[1])
+    assert only(build.surface(mix))[1] == []
+    build.link(build.node("ShaderNodeNewGeometry").outputs["Incoming"], mix.inputs[0])
     warnings = only(build.surface(mix))[1]
     assert len(warnings) == 1 and "grey shadow" in warnings[0]
     assert only(build.surface(tint))[1] == []

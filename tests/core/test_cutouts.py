@@ -8,7 +8,7 @@ import pytest
 import iwis.core.see_through.ray_masks as ray_masks
 from iwis.core.data.program import Closure, Op, Program, Ref
 from iwis.core.embree.accel import Accel
-from iwis.core.embree.embree_filter import Opacity
+from iwis.core.embree.opacity_grids import Opacity
 from iwis.core.render_cache import RenderCache
 from iwis.core.scene import CAMERA_RAYS, DIFFUSE, GGX, SHADOW_CATCHER, SHADOW_RAYS
 from iwis.core.see_through.opacity import bake_opacity
@@ -210,7 +210,12 @@ def test_filter_passes_what_the_grid_says():
     vertices, triangles, normals = floor()
     mesh = make_mesh((vertices, triangles, normals))
     half = Opacity(
-        np.zeros(2, np.int32), np.zeros(1, np.int64), np.ones(1, np.int32), np.uint8([0, 128, 255])
+        np.zeros(2, np.int32),
+        np.zeros(1, np.int64),
+        np.ones(1, np.int32),
+        np.uint8([0, 128, 255]),
+        np.zeros(1, np.uint8),
+        np.zeros((0, 3, 3), np.float32),
     )
     accel, n = Accel(mesh, opacity=half), 40_000
     xy = np.random.default_rng(5).uniform(-1.0, 1.0, (n, 2))

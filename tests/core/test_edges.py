@@ -11,8 +11,8 @@ import pytest
 
 from iwis.core.embree.accel import Accel, aside_of, ray_offset
 from iwis.core.embree.embree import EmbreeScene
-from iwis.core.embree.embree_filter import Opacity
 from iwis.core.embree.embree_rays import occluded_block
+from iwis.core.embree.opacity_grids import Opacity
 from iwis.core.embree.triangle_pairs import paired
 from iwis.core.machine.lanes import DIFFUSE, DX, LANES, OX, new_lanes
 from iwis.core.sampling.trace_lanes import trace_lanes
@@ -171,6 +171,8 @@ def test_tiny_triangles_far_away_have_no_gaps(ball):
         np.zeros(0, np.int64),
         np.zeros(0, np.int32),
         np.zeros(1, np.uint8),
+        np.zeros(0, np.uint8),
+        np.zeros((0, 3, 3), np.float32),
     )
     assert Accel(ball, opacity=opacity).traversal.aside == 0.0
 

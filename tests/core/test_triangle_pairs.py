@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from iwis.core.embree.accel import Accel
-from iwis.core.embree.embree_filter import Opacity
+from iwis.core.embree.opacity_grids import Opacity
 from iwis.core.embree.triangle_pairs import count_as_triangles, paired
 from support.scenes import make_mesh, sphere
 
@@ -113,6 +113,7 @@ def test_surfaces_drawn_by_chance_keep_their_triangles(bumpy):
     """Embree's filter is asked for one triangle at a time (embree_filter.py)."""
     none = np.full(len(bumpy.triangles), -1, np.int32)
     grids = np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros(1, np.uint8)
+    grids += np.zeros(0, np.uint8), np.zeros((0, 3, 3), np.float32)
     assert Accel(bumpy, opacity=Opacity(none, *grids)).pairs is None
 
 

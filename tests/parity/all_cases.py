@@ -1,6 +1,7 @@
 """The list of all cases."""
 
 from . import (
+    angle_cases,
     bevel_cases,
     bounce_cases,
     clear_cases,
@@ -87,5 +88,6 @@ _FAMILIES = (
     spectral_cases,
     simplify_cases,
     layered_cases,
+    angle_cases,
 )
 ALL_CASES = CASES if all(_FAMILIES) else []

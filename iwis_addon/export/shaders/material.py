@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 
 from ....core.data.program import Closure, Displacement, Program
-from ....core.data.program_ops import depends_on_around, passes_by_place
+from ....core.data.program_ops import depends_on_around, passes_by_angle
 from ....core.scene import (
     ASHIKHMIN_SHIRLEY,
     BECKMANN,
@@ -201,7 +201,7 @@ def _finished(
         displaced=builder.displaced,
         **settings._asdict(),
     )
-    if parts.tinted and not passes_by_place(program):
+    if parts.tinted and not passes_by_angle(program):
         told = "a colored Transparent BSDF that depends on the ray throws a grey shadow"
         reader.warn(parts.tinted[0], told)
     if transparent is not None and depends_on_around(program, transparent):
