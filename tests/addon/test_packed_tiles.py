@@ -1,4 +1,4 @@
-"""UDIM images that are packed into the .blend pass through the temporary folder."""
+"""Tiles of UDIM images: packed into the .blend they pass through the temporary folder; missing."""
 
 import shutil
 import tempfile
@@ -62,3 +62,28 @@ def test_temporary_folder_that_cannot_be_written_is_told(packed, monkeypatch, tm
     image, _ = packed
     with pytest.raises(ImageError, match=rf"{image.name!r}.*temporary folder.*make room"):
         ImageStore().tiles(image, None)
+
+
+@pytest.mark.parametrize("content", [None, b"", b"damaged"])
+def test_tile_that_cannot_be_read_leaves_the_others(tiled, tmp_path, content):
+    """No file, an empty one, a damaged one: the rest is there, and a line tells which is not."""
+    image, texels = tiled
+    file = tmp_path / "tiles" / "t.1001.png"
+    if content is None:
+        file.unlink()
+    else:
+        file.write_bytes(content)
+    store = ImageStore()
+    tiles = store.tiles(image, None).tiles
+    assert list(tiles) == [(1, 0)]
+    np.testing.assert_array_equal(tiles[1, 0], texels[1])
+    (why,) = store.left_out(image)
+    assert f"{image.name!r}: tile 1001" in why and str(file) in why
+
+
+def test_image_without_any_tile_is_told(tiled, tmp_path):
+    """By an error, of the first tile, as of any image without a file."""
+    shutil.rmtree(tmp_path / "tiles")
+    store = ImageStore()
+    with pytest.raises(ImageError, match=r"tile 1001: there is no file"):
+        store.tiles(tiled[0], None)

@@ -72,8 +72,11 @@ shown("Image Texture, no coordinates", lambda t: t.made("ShaderNodeTexImage", 0,
 shown("Image Texture, no image", lambda t: t.made("ShaderNodeTexImage", 0), warns="no image")
 
 
-def _tiles(name, packed=False, **settings):
-    """A UDIM image of three tiles of two sizes, one of them with a hole, and a tile too few."""
+def _tiles(name, packed=False, gone=(), warns="", **settings):
+    """A UDIM image of three tiles of two sizes, one of them with a hole, and a tile too few.
+
+    gone: tiles whose files are not there
+    """
 
     def build(scene, tree):
         folder = Path(tempfile.mkdtemp(dir=Path(scene.render.filepath).parent))
@@ -88,17 +91,21 @@ def _tiles(name, packed=False, **settings):
         if packed:
             image.pack()
             shutil.rmtree(folder)
+        for number in gone:
+            (folder / f"t.{number}.png").unlink()
         uv = tree.made(
             "ShaderNodeVectorMath", 0, {0: tree.coordinates("UV"), "Scale": 2.2}, operation="SCALE"
         )
         tree.glow(tree.made("ShaderNodeTexImage", 0, {0: uv}, image=image, **settings))
 
-    CASES.append(Case(name, build))
+    CASES.append(Case(name, build, warns=warns))
 
 
 _tiles("Image Texture UDIM")
 _tiles("Image Texture UDIM Closest", interpolation="Closest")
 _tiles("Image Texture UDIM packed", packed=True)
+_tiles("Image Texture UDIM, tile 1001 missing", gone=[1001], warns="tile 1001: there is no file")
+_tiles("Image Texture UDIM, tile 1011 missing", gone=[1011], warns="tile 1011: there is no file")
 
 
 def _sequence(scene, tree):

@@ -32,6 +32,7 @@ class ImageStore:
     def __init__(self, cache=None):
         self._cache = cache
         self._read: dict[tuple, ImageTiles] = {}
+        self._left_out: dict[int, list[str]] = {}  # of an image's session_uid: why, for each tile
         self._room = Room()
 
     def tiles(self, image, image_user) -> ImageTiles:
@@ -44,12 +45,17 @@ class ImageStore:
         key = image.session_uid, frame
         if key not in self._read:
             kind = _read_tiles if image.source == "TILED" else _read_image
-            make = functools.partial(kind, room=self._room, frame=shown)
+            left_out = self._left_out.setdefault(image.session_uid, [])
+            make = functools.partial(kind, room=self._room, frame=shown, left_out=left_out)
             if self._cache is None:
                 self._read[key] = make(image, image_user)
             else:
                 self._read[key] = self._cache.tiles(image, image_user, make)
         return self._read[key]
+
+    def left_out(self, image) -> list[str]:
+        """Why tiles of an image that has been read are not there, one line each."""
+        return self._left_out.get(image.session_uid, [])
 
 
 def _tiles_of(builder, node) -> ImageTiles | None:
@@ -57,10 +63,13 @@ def _tiles_of(builder, node) -> ImageTiles | None:
     try:
         if node.image is None:
             raise ImageError("no image is chosen: choose one in the node, or remove the node")
-        return builder.images.tiles(node.image, node.image_user)
+        tiles = builder.images.tiles(node.image, node.image_user)
     except ImageError as error:
         builder.reader.warn(node, f"{error}. Pink instead, as in Cycles")
         return None
+    for why in builder.images.left_out(node.image):
+        builder.reader.warn(node, f"{why}. The tile is pink, as in Cycles")
+    return tiles
 
 
 def environment_settings(builder, node) -> dict:
@@ -91,38 +100,33 @@ def image_settings(builder, node) -> dict:
     }
 
 
-def _read_image(image, image_user, room, frame) -> ImageTiles:
+def _read_image(image, image_user, room, frame, **_of_tiles) -> ImageTiles:
     rgba, encoded = _read_rgba(image, image_user, room, frame)
     return ImageTiles({(0, 0): rgba}, encoded)
 
 
-def _read_tiles(image, _image_user, room, **_of_movies) -> ImageTiles:
-    """The tiles of a UDIM image, each from its own file, or from what is packed."""
-    try:
-        return _read_all_tiles(image, room)
-    except OSError as error:
-        told = f"cannot be put into the temporary folder ({error.strerror or error})"
-        raise ImageError(f"image {image.name!r}: its packed tiles {told}: make room") from None
-
-
-def _read_all_tiles(image, room) -> ImageTiles:
+def _read_tiles(image, _image_user, room, left_out, **_of_movies) -> ImageTiles:
+    """The tiles of a UDIM image, each from its own file, or from what is packed; what of them
+    cannot be read is not there, and left_out has a line on it. Raises ImageError without any."""
     packed = {entry.tile_number: entry for entry in image.packed_files}
     tiles, encoded = {}, False
     # Only packed tiles pass through a folder: others need none that can be written.
-    place = tempfile.TemporaryDirectory(prefix="iwis-tiles-") if packed else nullcontext()
-    with place as folder:
-        for tile in image.tiles:
-            number = tile.number - _FIRST_TILE
-            path = _tile_path(image, number)
-            if tile.number in packed:
-                path = os.path.join(folder, os.path.basename(path))
-                with open(path, "wb") as file:
-                    file.write(packed[tile.number].packed_file.data)
-            elif not os.path.exists(path):
-                why = f"there is no file {path} of tile {tile.number}"
-                raise ImageError(f"image {image.name!r}: {why}")
-            read = _read_tile(image, path, bool(packed), room)
-            tiles[number % 10, number // 10], encoded = read
+    try:
+        place = tempfile.TemporaryDirectory(prefix="iwis-tiles-") if packed else nullcontext()
+        with place as folder:
+            for tile in image.tiles:
+                number = tile.number - _FIRST_TILE
+                try:
+                    read = _read_tile(image, number, packed.get(tile.number), folder, room)
+                except ImageError as error:
+                    left_out.append(str(error))
+                    continue
+                tiles[number % 10, number // 10], encoded = read
+    except OSError as error:
+        told = f"cannot be put into the temporary folder ({error.strerror or error})"
+        raise ImageError(f"image {image.name!r}: its packed tiles {told}: make room") from None
+    if not tiles:
+        raise ImageError(left_out.pop(0))
     return ImageTiles(tiles, encoded)
 
 
@@ -133,13 +137,26 @@ def _tile_path(image, number: int) -> str:
     return path.replace("<UVTILE>", f"u{number % 10 + 1}_v{number // 10 + 1}")
 
 
-def _read_tile(image, path: str, packed: bool, room):
+def _read_tile(image, number: int, packed, folder, room):
+    """As _read_rgba, of the tile counted from 0. packed: what of it is in the .blend, or None
+    folder: to put that into; None where no tile is packed. Raises ImageError with what to do"""
+    path = _tile_path(image, number)
+    tile = f"image {image.name!r}: tile {number + _FIRST_TILE}"
+    if packed is not None:
+        path = os.path.join(folder, os.path.basename(path))
+        with open(path, "wb") as file:
+            file.write(packed.packed_file.data)
+    elif not os.path.exists(path):
+        raise ImageError(f"{tile}: there is no file {path}")
     with scratch(bpy.data.images, bpy.data.images.load(path)) as loaded:
         loaded.colorspace_settings.name = image.colorspace_settings.name
         loaded.alpha_mode = image.alpha_mode
-        if packed:
+        if folder is not None:  # one tile that is packed makes Cycles take all as packed
             loaded.pack()
-        return _read_rgba(loaded, None, room)
+        try:
+            return _read_rgba(loaded, None, room)
+        except ImageError as error:
+            raise ImageError(f"{tile}: {error}") from None
 
 
 def _read_rgba(image, image_user, room, frame=None) -> tuple[np.ndarray, bool]:
