@@ -167,9 +167,16 @@ def _fill_rays(view, x, y, lens_uv, times, pose, ray, rays):
         else:
             _panorama_ray(view, px, py, lens_x, lens_y, ray)
         rays.reach[k] = ray[7]
+        size = 0.0
+        for a in range(3):
+            size += (
+                pose[4 * a] * ray[3] + pose[4 * a + 1] * ray[4] + pose[4 * a + 2] * ray[5]
+            ) ** 2
+        # The axes are askew under a parent that is scaled unevenly, and between two poses.
+        size = np.sqrt(size) if size > 0.0 else 1.0
         for a in range(3):
             m0, m1, m2, place = pose[4 * a], pose[4 * a + 1], pose[4 * a + 2], pose[4 * a + 3]
-            direction = m0 * ray[3] + m1 * ray[4] + m2 * ray[5]
+            direction = (m0 * ray[3] + m1 * ray[4] + m2 * ray[5]) / size
             origin = place + m0 * ray[0] + m1 * ray[1] + m2 * ray[2]
             rays.directions[k, a] = direction
             rays.origins[k, a] = origin + ray[6] * direction
@@ -243,7 +250,7 @@ def view_depth(camera: Camera, positions: np.ndarray) -> np.ndarray:
     away = to_world[:3, 3] - positions
     if camera.kind == PANORAMIC:
         return np.linalg.norm(away, axis=-1).astype(np.float32)
-    return (away @ to_world[:3, 2]).astype(np.float32)
+    return (away @ np.linalg.inv(to_world)[2, :3]).astype(np.float32)
 
 
 def view_distance(camera: Camera, positions: np.ndarray) -> np.ndarray:

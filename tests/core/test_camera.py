@@ -9,6 +9,8 @@ from iwis.core.camera.camera import camera_rays, rays_through, shutter_times, vi
 from iwis.core.scene import CameraMotion
 from support.scenes import camera_above, camera_at
 
+ASKEW = np.array([[0.8, 0.3, 0.1], [0.0, 0.9, 0.4], [0.6, 0.3, 0.9]])
+
 CAMERAS = {
     "perspective": camera_at((3.0, -2.0, 1.5), (0.0, 0.5, 0.2), width=8, height=6, half=0.7),
     "orthographic": camera_above(width=8, height=6, half=2.0, z=5.0),
@@ -135,3 +137,20 @@ def test_shutter_times_are_where_the_light_comes_in():
     motion = CameraMotion(np.zeros((2, 4, 4)), np.zeros((2, 4)), np.array([0.0, 0.1, 1.0]))
     found = shutter_times(motion, np.array([0.0, 0.25, 0.5, 0.75]))
     np.testing.assert_allclose(found, [0.0, 0.05, 0.1, 0.55])
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_rays_of_a_camera_with_slanted_axes_are_unit(name):
+    """As under a parent that is scaled unevenly: along the slanted way, from the near plane on,
+    and what lies in a plane along its x and y has one depth."""
+    camera, askew = CAMERAS[name], np.eye(4)
+    askew[:3, :3] = ASKEW / np.linalg.norm(ASKEW, axis=0)
+    straight = dataclasses.replace(camera, camera_to_world=np.eye(4))
+    slanted = dataclasses.replace(camera, camera_to_world=askew)
+    rays, own = camera_rays(straight, 0, 0, 8, 6), camera_rays(slanted, 0, 0, 8, 6)
+    np.testing.assert_allclose(np.linalg.norm(own.directions, axis=1), 1.0, rtol=1e-6)  # float32
+    expected = rays.directions @ askew[:3, :3].T
+    expected /= np.linalg.norm(expected, axis=1)[:, None]
+    np.testing.assert_allclose(own.directions, expected, atol=1e-6)
+    plane = np.array([[0.0, 0.0, -2.0], [1.0, 0.5, -2.0], [-3.0, 2.0, -2.0]]) @ askew[:3, :3].T
+    np.testing.assert_allclose(view_depth(slanted, plane), 2.0, rtol=1e-6)

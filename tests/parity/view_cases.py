@@ -27,6 +27,32 @@ def _diffuse_checks(tree):
     tree.surface(tree.made("ShaderNodeBsdfDiffuse", 0, {"Color": _checker(tree)}))
 
 
+def _askew(name, kind, material, lit=True):
+    """A camera under a parent that is scaled unevenly, and not along its axes."""
+
+    def build(scene, tree):
+        material(tree)
+        camera = scene.camera
+        camera.data.type, camera.data.ortho_scale = kind, 5.0
+        parent = bpy.data.objects.new("Parent", None)
+        scene.collection.objects.link(parent)
+        parent.scale, parent.rotation_euler = (1.0, 1.6, 0.8), (0.2, 0.1, 0.6)
+        bpy.context.view_layer.update()
+        camera.parent = parent
+        camera.location = parent.matrix_world.inverted() @ camera.location
+
+    CASES.append(Case(f"Camera {name}", build, lit=lit))
+
+
+def _gloss(tree):
+    tree.surface(tree.made("ShaderNodeBsdfGlossy", 0, {"Roughness": 0.4}))
+
+
+def _depth(tree):
+    near = tree.made("ShaderNodeCameraData", "View Z Depth")
+    tree.glow(tree.made("ShaderNodeMath", 0, {0: near, 1: 0.1}, operation="MULTIPLY"))
+
+
 def _panorama(name, kind, material=_shows_place, lit=False, blurred=False, dof=None, **properties):
     def build(scene, tree):
         material(tree)
@@ -62,6 +88,9 @@ def _blurred(name, material=_diffuse_checks, lit=True, kind="PERSP", target=Fals
     CASES.append(Case(f"Camera {name}", build, lit=lit, blurred=True))
 
 
+_askew("askew, gloss", "PERSP", _gloss)
+_askew("askew, orthographic, gloss", "ORTHO", _gloss)
+_askew("askew, depth", "PERSP", _depth, lit=False)
 _panorama("equirectangular", "EQUIRECTANGULAR")
 _panorama(
     "equirectangular, a part, lens shift",
