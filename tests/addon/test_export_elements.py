@@ -54,6 +54,27 @@ def test_curves_follow_their_transform_and_slots(above):
     assert high[2] == pytest.approx(places[..., 2].max(), abs=0.06)
 
 
+@pytest.mark.parametrize(
+    ("types", "straight_in_5"),
+    [
+        ([("POLY", None)], True),
+        ([("POLY", None), ("CATMULL_ROM", [0])], False),
+        ([("NURBS", None)], False),
+        ([("NURBS", None), ("POLY", [0])], True),
+    ],
+)
+def test_curves_are_polylines_where_the_first_one_is(above, types, straight_in_5):
+    """As Cycles of Blender 5 draws all; 4.5 knows splines alone, which swing out at a corner."""
+    corner = np.float32([[0, 0, 0], [1, 0, 0], [1, 1, 0]])
+    strands = np.stack([corner, corner + np.float32([0, 0, 1])])
+    obj = add_curves(new_material(), strands, np.full((2, 3), 0.05))
+    for kind, some in types:
+        obj.data.set_types(type=kind, **({} if some is None else {"indices": some}))
+    lowest = export_as_render(above).mesh.vertices[:, 1].min()
+    straight = straight_in_5 and bpy.app.version >= (5, 0)
+    assert (lowest > -0.0501) == straight  # a spline: a sixteenth below, and the radius
+
+
 def test_particle_hair_stands_on_its_emitter(above):
     """As many strands as Blender says, of the length and the slot that the settings have; the
     emitter itself may be hidden."""

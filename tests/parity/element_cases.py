@@ -181,13 +181,19 @@ def bent_strands(count, keys, spread=(2.2, 1.2), height=1.6, seed=5):
     return (roots + t * up + 2.0 * t**2 * lean).astype(np.float32)
 
 
-def _curves(name, material, count=24, keys=5, size=(0.12, 0.03), lit=True, shape="THICK", **place):
+def _curves(
+    name, material, count=24, keys=5, size=(0.12, 0.03), lit=True, shape="THICK", types=(), **place
+):
+    """types: (type, numbers of curves, None: all) one after the other"""
+
     def build(scene, tree):
         material(tree)
         scene.cycles_curves.shape = shape
         places = bent_strands(count, keys)
         radii = np.broadcast_to(np.linspace(*size, keys), (count, keys))
-        add_curves(without_solids(scene), places, radii, **place)
+        data = add_curves(without_solids(scene), places, radii, **place).data
+        for kind, some in types:
+            data.set_types(type=kind, **({} if some is None else {"indices": some}))
 
     _case(f"Curves, {name}", build, lit)
 
@@ -227,6 +233,12 @@ _points("Generated", lambda tree: tree.glow(tree.coordinates("Generated")), lit=
 _curves("diffuse, radius varies", _matte)
 _curves("diffuse, radius varies, ribbons", _matte, shape="RIBBONS")
 _curves("diffuse, linear 3D", _matte, shape="THICK_LINEAR")
+_curves("Poly", _matte, types=[("POLY", None)])
+_curves(
+    "Poly, thin ribbons", _matte, 60, size=(0.03, 0.02), shape="RIBBONS", types=[("POLY", None)]
+)
+_curves("Poly but for the first", _matte, types=[("POLY", None), ("CATMULL_ROM", [0])])
+_curves("Bezier and NURBS", _matte, types=[("BEZIER", [0, 1, 2, 3]), ("NURBS", [4, 5, 6])])
 _curves("metal", _metal)
 _curves("plastic, many thin", _plastic, count=2000, keys=8, size=(0.012, 0.003))
 _curves("matte, many thin ribbons", _matte, 2000, 8, size=(0.012, 0.003), shape="RIBBONS")

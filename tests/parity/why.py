@@ -64,6 +64,8 @@ WHY = {
     "Points, scaled unevenly, two instances": _ELLIPSOIDS,
     "Curves, diffuse, radius varies, ribbons": _RIBBONS,
     "Curves, diffuse, linear 3D": _CONES,
+    "Curves, Poly": _CONES,
+    "Curves, Poly, thin ribbons": _CONES,
     "Particle hair, plastic, children": _FINE,
     "Particle hair, Intercept": _FINE,
     "Subsurface: Christensen-Burley": "it is rendered as Random Walk, and warned of",

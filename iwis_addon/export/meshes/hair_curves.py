@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bpy
 import numpy as np
 
 from .element_values import (
@@ -13,6 +14,7 @@ from .strand_tubes import Strands
 
 _RADIUS = 0.005  # metres, where curves have none
 _ROOT_UV = "surface_uv_coordinate"
+_POLY = 1  # of the attribute curve_type
 
 
 class CurveValues:
@@ -46,6 +48,14 @@ def curve_strands(data) -> Strands:
     radius = attribute_of(data, "radius", "FLOAT", "POINT")
     keys[:, 3] = _RADIUS if radius is None else attribute_values(radius)[:, 0]
     return Strands(keys, first)
+
+
+def are_polylines(data) -> bool:
+    """Whether Cycles draws evaluated bpy curves as straight pieces, whatever the scene's curve
+    shape: where the first one's type is Poly, from Blender 5 on."""
+    kinds = attribute_of(data, "curve_type", "INT8", "CURVE")
+    poly = kinds is not None and len(kinds.data) > 0 and kinds.data[0].value == _POLY
+    return poly and bpy.app.version >= (5, 0)
 
 
 def curve_slots(data) -> np.ndarray | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .adaptive import Dicing
 from .diced_mesh import DicedSource, read_diced
-from .hair_curves import CurveValues, curve_slots, curve_strands
+from .hair_curves import CurveValues, are_polylines, curve_slots, curve_strands
 from .local_mesh import LiveMeshes, LocalMesh, read_mesh
 from .particle_hair import ParticleHair
 from .point_cloud import PointSource, read_point_cloud
@@ -96,6 +96,8 @@ class PartReader:
 
     def _curves(self, obj, owner):
         data, settings = obj.data, self._strand_settings
+        if are_polylines(data):
+            settings = settings._replace(straight=True)
         strands = curve_strands(data)
         part = self._kept(
             owner,
