@@ -140,3 +140,34 @@ def test_bands_are_quads_to_embree(tip):
     pairs = paired(np.ascontiguousarray(made.triangles))
     assert len(made.triangles) == 8 * (14 if tip else 13)
     assert len(pairs.first) == 8 * 7
+
+
+def test_straight_pieces_are_as_wide_all_along_and_meet():
+    """Every corner at its radius from its own piece's line; at a bend those of both pieces in one
+    plane, no further from the key than the bend's mitre."""
+    strands, shape = strands_of(_BENT), Shape(16, 1, True)
+    rings = find_rings(strands, shape)
+    made = make_tubes(strands, shape, rings)
+    assert len(made.triangles) == count_triangles(strands, shape)
+    keys, wide = np.asarray(_BENT, np.float64), np.pi / (16 * np.sin(np.pi / 16))
+    ways = np.diff(keys[:, :3], axis=0)
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    place = made.positions.reshape(-1, 16, 3)
+    for r in range(len(rings.key)):
+        key, at = rings.key[r], rings.key[r] + rings.last[r]
+        away = place[r] - keys[at, :3]
+        along = away @ ways[key]
+        across = np.linalg.norm(away - along[:, None] * ways[key], axis=1)
+        np.testing.assert_allclose(across, keys[at, 3] * wide, atol=1e-5)  # float32 at 3 m
+        other = key + 1 if rings.last[r] else key - 1
+        plane = ways[key] + (ways[other] if 0 <= other < len(ways) else ways[key])
+        np.testing.assert_allclose(away @ plane, 0.0, atol=1e-5)
+
+
+def test_straight_pieces_that_turn_back_stay_short():
+    """A fold, and two keys in one place: no corner more than a radius beyond its key."""
+    back = [(0, 0, 0, 0.1), (0, 0, 1, 0.1), (0, 0.01, 0, 0.1), (0, 0.01, 0, 0.1), (1, 0, 0, 0.1)]
+    strands, shape = strands_of(back), Shape(8, 1, True)
+    made = make_tubes(strands, shape, find_rings(strands, shape))
+    assert np.isfinite(made.positions).all()
+    assert -0.21 < made.positions[:, 2].min() and made.positions[:, 2].max() < 1.21

@@ -65,7 +65,6 @@ WHY = {
     "Curves, diffuse, radius varies, ribbons": _RIBBONS,
     "Curves, diffuse, linear 3D": _CONES,
     "Curves, Poly": _CONES,
-    "Curves, Poly, thin ribbons": _CONES,
     "Particle hair, plastic, children": _FINE,
     "Particle hair, Intercept": _FINE,
     "Subsurface: Christensen-Burley": "it is rendered as Random Walk, and warned of",

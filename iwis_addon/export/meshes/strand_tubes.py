@@ -2,8 +2,10 @@
 
 As in Cycles a strand goes through its keys as a Catmull-Rom spline, its radius too. It becomes
 rings of corners, a few between two keys where it bends, and a band of triangles from ring to ring,
-open at both ends. A tube of few sides lies a little outside, so that from a mean direction it is
-as wide as the round one; its normals are those of the round one.
+open at both ends. Where it goes straight from key to key each piece is a tube of its own, as wide
+all along, which meets the next one in the plane between them. A tube of few sides lies a little
+outside, so that from a mean direction it is as wide as the round one; its normals are those of the
+round one.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ _MOST, _ENOUGH_PIECES, _LEAST_SIDES = 1 << 23, 5, 6
 # A chord may leave the spline by this part of the radius, but for the worst of 20.
 _STRAY, _SHARE = 0.02, 95.0
 _MOST_PIECES = 16
+_MOST_MITRE = 1.0  # radii by which a piece is longer where it meets another: at right angles
 _GOLDEN = 0.618034
 
 
@@ -49,7 +52,7 @@ class Rings(NamedTuple):
     """Where the rings of tubes are, one a row, the strands one after another.
 
     strand, key: int32 (r,), the strand and the key before it; part: float32 (r,), how far it is to
-    the next key; last: bool (r,), whether it ends a strand
+    the next key; last: bool (r,), whether it ends a tube: a strand's, or a straight piece's
     """
 
     strand: np.ndarray
@@ -120,6 +123,8 @@ def count_triangles(strands: Strands, shape: Shape) -> int:
 def find_rings(strands: Strands, shape: Shape) -> Rings:
     """Strands of less than two keys have none."""
     keys = np.diff(strands.first)
+    if shape.straight:
+        return _ends_of_pieces(strands, keys)
     counts = np.where(keys > 1, (keys - 1) * shape.pieces + 1, 0)
     strand = np.repeat(np.arange(len(keys), dtype=np.int32), counts)
     ends = np.cumsum(counts)
@@ -130,6 +135,16 @@ def find_rings(strands: Strands, shape: Shape) -> Rings:
     last[ends[counts > 0] - 1] = True
     key = (strands.first[strand] + segment).astype(np.int32)
     return Rings(strand, key, part.astype(np.float32), last)
+
+
+def _ends_of_pieces(strands: Strands, keys) -> Rings:
+    """Two rings for each piece from key to key. keys: of each strand"""
+    pieces = np.maximum(keys - 1, 0)
+    strand = np.repeat(np.arange(len(keys), dtype=np.int32), pieces)
+    step = np.arange(len(strand)) - (np.cumsum(pieces) - pieces)[strand]
+    key = (strands.first[strand] + step).astype(np.int32)
+    last = np.tile([False, True], len(strand))
+    return Rings(np.repeat(strand, 2), np.repeat(key, 2), last.astype(np.float32), last)
 
 
 def along(strands: Strands, rings: Rings, straight: bool):
@@ -211,10 +226,28 @@ def make_tubes(strands: Strands, shape: Shape, rings: Rings, like: Strands | Non
     normals += np.sin(angles)[:, :, None] * np.cross(tangents, across)[:, None]
     wide = np.float32(np.pi / (k * np.sin(np.pi / k)))
     positions = normals * (values[:, 3] * wide)[:, None, None]
+    if shape.straight:
+        _meet(strands, rings, tangents, positions)
     positions += values[:, None, :3]
     ring = np.repeat(np.arange(r, dtype=np.int32), k)
     triangles = _bands(rings, values[:, 3], k)
     return Tubes(positions.reshape(-1, 3), normals.reshape(-1, 3), triangles, ring)
+
+
+def _meet(strands: Strands, rings: Rings, tangents, around):
+    """Move the corners of straight pieces along these, into the plane between two that meet.
+
+    around: float32 (r, k, 3), from the middle of each ring, changed
+    """
+    a, b, c, d = (keys[:, :3] for keys in _neighbours(strands, rings.key, rings.strand))
+    other = np.where(rings.last[:, None], d - c, b - a)
+    size, own = np.linalg.norm(other, axis=1), np.linalg.norm(c - b, axis=1)
+    bent = (size > 1e-20) & (own > 1e-20)
+    plane = tangents[bent] + other[bent] / size[bent, None]
+    aside = np.einsum("rkx,rx->rk", around[bent], plane)
+    most = _MOST_MITRE * np.linalg.norm(around[bent], axis=2)
+    aside /= np.maximum(np.einsum("rx,rx->r", plane, tangents[bent]), 1e-6)[:, None]
+    around[bent] -= np.clip(aside, -most, most)[:, :, None] * tangents[bent, None]
 
 
 def _bands(rings: Rings, radii, k):
