@@ -84,6 +84,8 @@ class Lamps(NamedTuple):
     shadow: bool (n,), whether it casts shadows
     position: float32 (n, 3), of the centre
     forward, right, up: float32 (n, 3), unit: where it shines, and the sides of an area
+    axis: float32 (n, 3), unit: of an area that of its spread, from whose side it is seen; forward
+        but where an uneven scale makes its plane slant
     size: float32 (n, 2): half the angle of a SUN, 0; radius of SPHERE and DISC, 0; width and
         height; width of the ball around a MESH, 0
     radiance: float32 (n, 3); where there is no size W/sr, of a SUN without one and of beams W/m2,
@@ -112,6 +114,7 @@ class Lamps(NamedTuple):
     forward: np.ndarray
     right: np.ndarray
     up: np.ndarray
+    axis: np.ndarray
     size: np.ndarray
     radiance: np.ndarray
     to_cone: np.ndarray
@@ -138,6 +141,7 @@ _SHAPES = {
     "forward": (3,),
     "right": (3,),
     "up": (3,),
+    "axis": (3,),
     "size": (2,),
     "radiance": (3,),
     "to_cone": (3, 3),
@@ -181,6 +185,7 @@ def make_lamps(rows: list[dict], faces: LampFaces = NO_FACES) -> Lamps:
     for k, row in enumerate(rows):
         for name, value in row.items():
             columns[name][k] = falloffs.row_of(value) if name == "falloff" else value
+        columns["axis"][k] = row.get("axis", columns["forward"][k])
     columns["falloffs"] = falloffs.tables()
     lamps = Lamps(**columns)
     finite = all(np.isfinite(columns[name]).all() for name in ("position", "size", "radiance"))

@@ -41,6 +41,13 @@ def _spread_factor(lamps, i, cosine):
 
 
 @kernel(forceinline=True)
+def _is_slanted(lamps, i):
+    """Whether an area's axis is not across its plane."""
+    a, f = lamps.axis, lamps.forward
+    return a[i, 0] != f[i, 0] or a[i, 1] != f[i, 1] or a[i, 2] != f[i, 2]
+
+
+@kernel(forceinline=True)
 def _window(lamps, i, u, v, height):
     """The part (u0, v0, u1, v1) of an area that its spread lets a point see; may be empty.
 
@@ -48,6 +55,8 @@ def _window(lamps, i, u, v, height):
     """
     half_u, half_v = 0.5 * np.float64(lamps.size[i, 0]), 0.5 * np.float64(lamps.size[i, 1])
     reach = np.float64(lamps.spread[i, 0]) * height
+    if _is_slanted(lamps, i):  # the spread is not round the plane's normal: all of it may be seen
+        reach = np.inf
     return (
         max(u - reach, -half_u),
         max(v - reach, -half_v),
@@ -127,15 +136,17 @@ def _is_outside(lamps, i, u, v):
 
 @kernel(forceinline=True)
 def _foot(lamps, i, px, py, pz):
-    """Of a point in an area's frame: (u, v) from its centre, height in front of it."""
+    """Of a point in an area's frame: (u, v) from its centre; height over its plane, 0 where it does
+    not shine; 1, or -1 where an area that is slanted shines from its other side."""
     x = px - np.float64(lamps.position[i, 0])
     y = py - np.float64(lamps.position[i, 1])
     z = pz - np.float64(lamps.position[i, 2])
-    return (
-        _along(lamps.right, i, x, y, z),
-        _along(lamps.up, i, x, y, z),
-        _along(lamps.forward, i, x, y, z),
-    )
+    u, v = _along(lamps.right, i, x, y, z), _along(lamps.up, i, x, y, z)
+    height = _along(lamps.forward, i, x, y, z)
+    if not _is_slanted(lamps, i):
+        return u, v, max(height, 0.0), 1.0
+    shines = _along(lamps.axis, i, x, y, z) > 0.0
+    return u, v, abs(height) if shines else 0.0, -1.0 if height < 0.0 else 1.0
 
 
 @kernel(forceinline=True)
@@ -147,7 +158,7 @@ def _area_pdf(plan, measure, height, far):
 @kernel
 def sample_area(lamps, i, px, py, pz, a, b):
     """sample_lamp of a RECTANGLE or an ELLIPSE."""
-    u, v, height = _foot(lamps, i, px, py, pz)
+    u, v, height, side = _foot(lamps, i, px, py, pz)
     if height <= 0.0:
         return NO_LIGHT
     plan, (u0, v0, u1, v1), measure, angles = _plan_area(lamps, i, u, v, height)
@@ -165,26 +176,24 @@ def sample_area(lamps, i, px, py, pz, a, b):
         return NO_LIGHT
     far = math.sqrt(x * x + y * y + height * height)
     s, r, t, f = 1.0 / far, lamps.right, lamps.up, lamps.forward
-    return (
-        s * (x * r[i, 0] + y * t[i, 0] - height * f[i, 0]),
-        s * (x * r[i, 1] + y * t[i, 1] - height * f[i, 1]),
-        s * (x * r[i, 2] + y * t[i, 2] - height * f[i, 2]),
-        far,
-        _spread_factor(lamps, i, height / far),
-        _area_pdf(plan, measure, height, far),
-    )
+    z = side * height
+    dx = s * (x * r[i, 0] + y * t[i, 0] - z * f[i, 0])
+    dy = s * (x * r[i, 1] + y * t[i, 1] - z * f[i, 1])
+    dz = s * (x * r[i, 2] + y * t[i, 2] - z * f[i, 2])
+    factor = _spread_factor(lamps, i, -_along(lamps.axis, i, dx, dy, dz))
+    return dx, dy, dz, far, factor, _area_pdf(plan, measure, height, far)
 
 
 @kernel
 def meet_area(lamps, i, px, py, pz, dx, dy, dz):
     """meet_lamp of a RECTANGLE or an ELLIPSE."""
-    u, v, height = _foot(lamps, i, px, py, pz)
-    cosine = -_along(lamps.forward, i, dx, dy, dz)
+    u, v, height, side = _foot(lamps, i, px, py, pz)
+    cosine = -side * _along(lamps.forward, i, dx, dy, dz)
     if height <= 0.0 or cosine <= 1e-9:
         return 0.0, 0.0, 0.0
     far = height / cosine
     x, y = far * _along(lamps.right, i, dx, dy, dz), far * _along(lamps.up, i, dx, dy, dz)
-    factor = _spread_factor(lamps, i, cosine)
+    factor = _spread_factor(lamps, i, -_along(lamps.axis, i, dx, dy, dz))
     if factor <= 0.0 or _is_outside(lamps, i, u + x, v + y):
         return 0.0, 0.0, 0.0
     plan, _, measure, _ = _plan_area(lamps, i, u, v, height)
@@ -196,7 +205,7 @@ def meet_area(lamps, i, px, py, pz, dx, dy, dz):
 @kernel
 def sample_beam(lamps, i, px, py, pz):
     """sample_lamp of a BEAM or a ROUND_BEAM."""
-    u, v, height = _foot(lamps, i, px, py, pz)
+    u, v, height, _ = _foot(lamps, i, px, py, pz)
     if height <= 0.0 or _is_outside(lamps, i, u, v):
         return NO_LIGHT
     f = lamps.forward

@@ -103,7 +103,7 @@ def _towards(lamps, i, x, y, z, width, far):
     axis; 0 only for a spot whose cone ends before. width: of a spot its radius"""
     share = 1.0
     if lamps.size[i, 1] > _ZERO:
-        f = lamps.forward
+        f = lamps.axis
         share = min((x * f[i, 0] + y * f[i, 1] + z * f[i, 2] + width) / max(far, 1e-12), 1.0)
     elif lamps.cone[i, 0] > _NO_CONE and width > 0.0:
         return soft_cone_factor(lamps, i, -x, -y, -z, width / max(far, 1e-12))
@@ -123,7 +123,7 @@ def _importance(lamps, powers, i, px, py, pz, at):
     x = px - np.float64(lamps.position[i, 0])
     y = py - np.float64(lamps.position[i, 1])
     z = pz - np.float64(lamps.position[i, 2])
-    f = lamps.forward
+    f = lamps.axis
     if lamps.size[i, 1] > _ZERO and x * f[i, 0] + y * f[i, 1] + z * f[i, 2] <= 0.0:
         return 0.0
     if kind == BEAM or kind == ROUND_BEAM:

@@ -116,6 +116,29 @@ def test_frame_size_and_flags(scene):
     assert row["radiance"][0] == pytest.approx(10.0 / (math.pi * 3.0))
 
 
+@pytest.mark.parametrize("shape", ["RECTANGLE", "ELLIPSE"])
+@pytest.mark.parametrize("turn", [(0.7, 0.0, 0.0), (0.6, 0.3, 0.2)])
+def test_area_under_an_uneven_scale_has_sides_at_right_angles(scene, shape, turn):
+    """A rectangle in its own plane, an ellipse across the axis, whose column Cycles takes."""
+    obj = add_light("AREA", shape=shape, size=2.0, size_y=1.0)
+    obj.parent = bpy.data.objects.new("Parent", None)
+    scene.collection.objects.link(obj.parent)
+    obj.parent.scale, obj.rotation_euler = (1.0, 1.0, 0.5), turn
+    bpy.context.view_layer.update()
+    row, warnings = exported()
+    assert warnings == []
+    frame = np.stack([row["right"], row["up"], row["forward"]])
+    np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-6)  # float32 matrices
+    sides = np.array(obj.matrix_world)[:3, :3]
+    sides /= np.linalg.norm(sides, axis=0)
+    np.testing.assert_allclose(row["axis"], -sides[:, 2], atol=1e-6)
+    if shape == "ELLIPSE":
+        np.testing.assert_array_equal(row["forward"], row["axis"])
+    else:
+        np.testing.assert_allclose(row["forward"] @ sides[:, :2], 0.0, atol=1e-6)
+        assert 0.5 < row["forward"] @ row["axis"] < 0.99
+
+
 def test_instances_of_a_lamp_are_lamps(scene):
     """A collection of one light, instanced twice; hidden ones are not there."""
     lamps = bpy.data.collections.new("Lamps")

@@ -47,6 +47,9 @@ def spread(degrees):
     return {"spread": (math.tan(half), 1.0 / (math.tan(half) - half))}
 
 
+# Of an area whose plane an uneven scale makes slant.
+SLANTED = {"axis": np.array([-0.2, 0.3, -1.0]) / math.sqrt(1.13)}
+
 LAMPS = {
     "sphere": {"kind": SPHERE, "position": (0.5, 0.2, 1.5), "size": (0.4, 0.0)},
     "small sphere": {"kind": SPHERE, "position": (0.5, 0.2, 1.5), "size": (0.002, 0.0)},
@@ -58,6 +61,9 @@ LAMPS = {
     "large rectangle": area(RECTANGLE, (0.3, 0.1, 0.4), 3.0, 2.0, np.eye(3)),
     "far rectangle": area(RECTANGLE, (80.0, 10.0, 100.0), 0.6, 0.3),
     "softbox": area(RECTANGLE, (0.6, 0.1, 1.0), 0.9, 0.7, **spread(40.0)),
+    "slanted rectangle": area(RECTANGLE, (0.8, 0.1, 1.0), 0.6, 0.3, **SLANTED),
+    "slanted, from behind": area(RECTANGLE, (0.8, 0.1, 1.0), 0.6, 0.3, -TILTED, **SLANTED),
+    "slanted softbox": area(RECTANGLE, (0.6, 0.1, 1.0), 0.9, 0.7, **SLANTED, **spread(110.0)),
     "ellipse": area(ELLIPSE, (0.8, 0.1, 1.0), 0.6, 0.3),
     "large ellipse": area(ELLIPSE, (0.3, 0.1, 0.4), 3.0, 2.0, np.eye(3)),
     "narrow ellipse": area(ELLIPSE, (0.6, 0.1, 1.0), 1.8, 1.4, **spread(40.0)),
@@ -83,8 +89,10 @@ def places_on(lamp):
         place = np.asarray(lamp["position"]) + u * lamp["right"] + v * lamp["up"]
         far = np.linalg.norm(place, axis=1)
         wi = place / far[:, None]
-        cosine = -wi @ lamp["forward"]
-        return wi, np.maximum(cosine, 0.0) * size.prod() / n**2 / far**2, cosine
+        seen = -wi @ lamp["forward"]
+        seen = np.abs(seen) if "axis" in lamp else np.maximum(seen, 0.0)
+        cosine = -wi @ lamp.get("axis", lamp["forward"])
+        return wi, seen * size.prod() / n**2 / far**2, cosine
     if kind == SUN:
         axis, largest = -np.asarray(lamp["forward"]), size[0]
     else:
@@ -275,3 +283,11 @@ def test_lamps_that_make_no_sense_are_refused():
     for bad in ({"radiance": -1.0}, {"radiance": np.nan}, {"position": (0.0, np.inf, 0.0)}):
         with pytest.raises(ValueError, match="lamps must be finite"):
             make_lamps([{"kind": SUN} | bad])
+
+
+def test_slanted_area_is_seen_from_the_side_of_its_axis():
+    """By where its middle is, whichever side of its plane that is."""
+    row = LAMPS["slanted rectangle"] | {"radiance": RADIANCE}
+    away = row | {"axis": -SLANTED["axis"]}
+    assert sampled([row], diffuse((0.8, 0.5, 0.3))).any()
+    assert not sampled([away], diffuse((0.8, 0.5, 0.3))).any()

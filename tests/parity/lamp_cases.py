@@ -68,6 +68,22 @@ _case("Point", "POINT", ABOVE, **_POINT)
 _case("Point, not normalized", "POINT", ABOVE, normalize=False, **_POINT)
 
 
+def _slanted(name, make=matte, turn=(0.6, 0.0, 0.0), scale=(1.0, 1.0, 0.5), **settings):
+    """An area that is turned under a parent which is scaled unevenly. name: its shape first"""
+
+    def build(scene, tree):
+        size = {"shape": name.split(",")[0], "size": 1.2, "size_y": 0.8}
+        add_lamp(scene, "AREA", (0.0, 0.0, 0.0), **size, **_AREA, **settings)
+        parent = bpy.data.objects.new("Parent", None)
+        scene.collection.objects.link(parent)
+        parent.location, parent.scale = (0.3, -1.2, 2.2), scale
+        lamp = bpy.data.objects["Lamp"]
+        lamp.parent, lamp.rotation_euler = parent, turn
+        tree.surface(make(tree))
+
+    lit_by(f"Area under an uneven scale, {name}", build)
+
+
 def _black_body(tree):
     color = tree.made("ShaderNodeBlackbody", 0, {0: 3200.0})
     return tree.made("ShaderNodeEmission", 0, {"Color": color, "Strength": 1.0})
@@ -139,6 +155,11 @@ for _shape, _size in _SIZES.items():
 _case("Area, spread 0", "AREA", ABOVE, size=1.7, spread=0.0, **_AREA)
 _case("Area, not normalized", "AREA", ABOVE, size=1.2, normalize=False, **_AREA)
 _case("Area, scaled", "AREA", ABOVE, size=1.0, scale=(2.0, 0.5, 3.0), **_AREA)
+_slanted("RECTANGLE")
+_slanted("RECTANGLE, spread 60", spread=math.radians(60.0))
+_slanted("RECTANGLE, roughness 0.3", shiny(0.3))
+_slanted("RECTANGLE, from behind", turn=(0.0, -0.8, 0.0), scale=(1.0, 1.0, 2.5))
+_slanted("ELLIPSE")
 _case("Area, no shadow", "AREA", SIDE, size=1.2, use_shadow=False, **_AREA)
 _case("Area, near the floor", "AREA", (0.0, -0.6, -0.8), size=0.6, target=(0, 3, -1.4), **_AREA)
 for _roughness in (0.05, 0.15, 0.3, 1.0):

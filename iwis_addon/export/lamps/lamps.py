@@ -35,6 +35,7 @@ from .lamp_pictures import asks_for_place, color_of, ops_of, places_of
 
 _ONE_WAY = "its nodes vary with the direction, which a sun or a beam has one of: mean"
 _STEEPEST = 1e30  # of a spot's edge: float32 has no infinity that times zero is zero
+_SQUARE = 1e-4  # cosine of axes that are taken to be at right angles: matrices are float32
 
 
 def read_lamp(asked: Asked, matrix_world, warnings: list[str], images, layer) -> dict | None:
@@ -77,9 +78,29 @@ def read_lamp(asked: Asked, matrix_world, warnings: list[str], images, layer) ->
     seen_by |= BY_CAMERA * obj.visible_camera
     seen_by |= NOT_BY_BSDF * (not _cycles(light, "use_multiple_importance_sampling", True))
     frame = {"position": matrix[:3, 3], "seen_by": seen_by, "shadow": light.use_shadow}
-    for name, column in (("right", matrix[:3, 0]), ("up", matrix[:3, 1])):
-        frame[name] = _unit(column)
-    return {"forward": _unit(-matrix[:3, 2])} | frame | row
+    return _sides(light, matrix) | frame | row
+
+
+def _sides(light, matrix) -> dict:
+    """forward, right, up and axis of Lamps; those of an area at right angles, whatever the matrix.
+
+    As Cycles: a rectangle stays in its plane, and is seen from where its axis points; an ellipse
+    lies across the axis
+    """
+    right, up, back = (_unit(matrix[:3, k]) for k in range(3))
+    sides = {"forward": -back, "right": right, "up": up, "axis": -back}
+    if light.type != "AREA" or max(abs(right @ up), abs(right @ back), abs(up @ back)) < _SQUARE:
+        return sides
+    across = np.cross(right, up)
+    angular = light.shape in ("SQUARE", "RECTANGLE") and light.spread > 0.0
+    if angular and abs(across @ back) > _SQUARE:
+        sides["forward"] = -_unit(across) * np.sign(across @ back)
+    # The two directions at right angles nearest to both.
+    flat = np.stack([right, up], axis=1)
+    flat -= np.outer(sides["forward"], sides["forward"] @ flat)
+    turn, _, other = np.linalg.svd(flat, full_matrices=False)
+    sides["right"], sides["up"] = (turn @ other).T
+    return sides
 
 
 def _varying(light, row, matrix, own: LampLight, nodes) -> dict:
