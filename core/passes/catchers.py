@@ -36,10 +36,14 @@ def has_role(scene: Scene, role: int) -> bool:
 
 
 def plays(scene: Scene, points: ShadingPoints, role: int) -> np.ndarray:
-    """bool (n,): the points on objects of a role; of a HOLDOUT, or of a material that is one."""
+    """bool (n,): the points on objects of a role; of a HOLDOUT, or of a material that is one. What
+    is a HOLDOUT too is no SHADOW_CATCHER to the camera, as in Cycles."""
     found = np.zeros(len(points.pixel), np.bool_)
     if has_role(scene, role):
-        found = (scene.object_flags[scene.mesh.object_index[points.triangle]] & role) != 0
+        flags = scene.object_flags[scene.mesh.object_index[points.triangle]]
+        found = (flags & role) != 0
+        if role == SHADOW_CATCHER:
+            found &= (flags & HOLDOUT) == 0
     return found | in_holes(scene, points) if role == HOLDOUT else found
 
 

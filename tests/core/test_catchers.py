@@ -205,6 +205,19 @@ def test_passes_have_nothing_of_a_hole(pixel_filter):
 
 
 @FILTERS
+def test_what_is_a_catcher_and_a_holdout_is_a_hole(pixel_filter):
+    """In a transparent film clear, in an opaque one black and, as beside any catcher, opaque."""
+    film = _render(_scene(HOLDOUT | SHADOW_CATCHER, transparent=True), pixel_filter, 16)
+    hole = _render(_scene(HOLDOUT, transparent=True), pixel_filter, 16)
+    for name in ("combined", "shadow_catcher"):
+        np.testing.assert_array_equal(film[name], hole[name])
+    opaque = _render(_scene(HOLDOUT | SHADOW_CATCHER), pixel_filter, 16)["combined"]
+    black = (hole["combined"][..., :3] == 0.0).all(axis=2)
+    assert 30 < black.sum() < black.size
+    assert (opaque[black, :3] == 0.0).all() and (opaque[..., 3] == 1.0).all()
+
+
+@FILTERS
 def test_beside_a_catcher_in_an_opaque_film_all_is_opaque(pixel_filter):
     """As in Cycles: holdouts are black there, without a catcher holes in alpha as well."""
     scene = _scene(SHADOW_CATCHER)

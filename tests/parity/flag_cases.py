@@ -68,6 +68,15 @@ def _hole_on_a_catcher(scene, sphere):
 
 _case("holdout on a catcher", _hole_on_a_catcher)
 _case("holdout on a catcher in an opaque film", _hole_on_a_catcher, transparent=False)
+
+
+def _hole_that_catches(scene, sphere):
+    sphere.is_holdout = sphere.is_shadow_catcher = True
+    scene.collection.children.link(bpy.data.collections["Own"])
+
+
+_case("holdout that is a catcher", _hole_that_catches)
+_case("holdout that is a catcher in an opaque film", _hole_that_catches, transparent=False)
 _flagged("holdout of an instancer", "is_holdout", True, True)
 _flagged("holdout of what is instanced does nothing", "is_holdout", True, False)
 _flagged("instancer not seen by the camera", "visible_camera", False, True)
