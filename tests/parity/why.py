@@ -71,6 +71,7 @@ WHY = {
     "Curves, Poly": _CONES,
     "Particle hair, plastic, children": _FINE,
     "Particle hair, Intercept": _FINE,
+    "Holdout, mixed": "holes are drawn by the place: noise of .03, which both seeds share in part",
     "Subsurface: Christensen-Burley": "it is rendered as Random Walk, and warned of",
     "Transparent to shadow rays": _RAYS,
     "Sky, multiple scattering, horizon seen": _HORIZON,
