@@ -16,11 +16,12 @@ from ..data.channels import LUMINANCE
 from ..data.lamps import BEAM, DISC, MESH, NOT_BY_BSDF, ROUND_BEAM, SPHERE, SUN, Lamps
 from .lamp_cones import cone_factor, soft_cone_factor
 from .lamp_falloff import falloff_at
+from .lamp_shares import LEAST_COSINE, LEAST_SHARE, LEAST_SQUARED, knows, share_plain
 from .near_meshes import is_near_mesh
 
 # Up to so many lamps all are sampled; of more, so many at each point.
 ALL_LAMPS, CHOSEN_LAMPS = 16, 8
-_LEAST_COSINE, _LEAST_SHARE, _QUARTER = 0.1, 0.1, 0.5 * math.pi
+_QUARTER = 0.5 * math.pi
 _NO_CONE = np.float32(-1.5)
 _ZERO = np.float32(0.0)
 
@@ -64,7 +65,7 @@ def _cosine(at, x, y, z, width, far):
         height = max(height, m[0] * x + m[1] * y + m[2] * z)
     if height + width <= 0.0:
         return 0.0
-    return max(min((height + width) / max(far, 1e-12), 1.0), _LEAST_COSINE)
+    return max(min((height + width) / max(far, 1e-12), 1.0), LEAST_COSINE)
 
 
 @kernel(forceinline=True)
@@ -94,7 +95,7 @@ def _reflected(at, x, y, z, extent, radius, far):
         return cosine
     share = np.float64(at.diffuse_share)
     gloss = math.pi * (1.0 - share) * _lobe_towards(at, x, y, z, radius, far)
-    return cosine * max(share, _LEAST_SHARE) + gloss
+    return cosine * max(share, LEAST_SHARE) + gloss
 
 
 @kernel(forceinline=True)
@@ -109,7 +110,7 @@ def _towards(lamps, i, x, y, z, width, far):
         return soft_cone_factor(lamps, i, -x, -y, -z, width / max(far, 1e-12))
     elif lamps.cone[i, 0] > _NO_CONE:
         share = cone_factor(lamps, i, -x, -y, -z)
-    return max(share, _LEAST_COSINE) if width > 0.0 else share
+    return max(share, LEAST_COSINE) if width > 0.0 else share
 
 
 @kernel(forceinline=True)
@@ -131,7 +132,7 @@ def _importance(lamps, powers, i, px, py, pz, at):
         return powers[i] * _falloff(lamps, i, height)
     width, height = np.float64(lamps.size[i, 0]), np.float64(lamps.size[i, 1])
     radius = 0.5 * max(width, height)
-    squared = max(x * x + y * y + z * z, max(radius * radius, 1e-12))
+    squared = max(x * x + y * y + z * z, max(radius * radius, LEAST_SQUARED))
     far = math.sqrt(squared)
     reach = width if kind == SPHERE or kind == DISC else radius
     share = _falloff(lamps, i, far) * _reflected(at, -x, -y, -z, width + height, reach, far)
@@ -139,13 +140,20 @@ def _importance(lamps, powers, i, px, py, pz, at):
 
 
 @kernel(forceinline=True)
-def share_out(lamps, powers, points, p, at, shares):
-    """Write how many samples each lamp may expect at point p. at: LobesAt of it."""
+def share_out(lamps, powers, plain, points, p, at, shares):
+    """Write how many samples each lamp may expect at point p. plain: of plain_lamps; at: LobesAt of
+    it."""
     place = points.position
     px, py, pz = np.float64(place[p, 0]), np.float64(place[p, 1]), np.float64(place[p, 2])
-    total = 0.0
-    for i in range(len(powers)):
+    total, in_rows = 0.0, knows(at)
+    if in_rows:
+        share_plain(plain, at, px, py, pz)
+        for k in range(len(plain.row)):
+            shares[plain.row[k]] = plain.most * np.float64(plain.share[k])
+    for k in range(len(plain.others) if in_rows else len(powers)):
+        i = plain.others[k] if in_rows else k
         shares[i] = _importance(lamps, powers, i, px, py, pz, at)
+    for i in range(len(powers)):
         total += shares[i]
     for i in range(len(powers)):
         shares[i] = shares[i] * CHOSEN_LAMPS / total if total > 0.0 else 0.0

@@ -41,6 +41,7 @@ from .lamp_falloff import falloff_at
 from .lamp_pictures import tint_at
 from .lamp_rays import COLUMNS, UNOCCLUDED, LampRays, add_rays, aim, bring, column_of
 from .lamp_shapes import meet_lamp, sample_lamp
+from .lamp_shares import plain_lamps
 from .near_meshes import near_meshes
 
 # Lobes of a greater alpha leave lamps to the lamps' own samples, but for faces that are near.
@@ -214,7 +215,7 @@ def _draw_one(at, points, p, lamps, shares, follows, choose, place, offset, rays
 
 
 @kernel
-def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, sums):
+def _draw(points, lobes, lamps, powers, plain, shares, samples, offset, first, rays, sums):
     """Write the samples of points from ``first`` on: (the next point, number of rays)."""
     n, p, choose, count = 0, first, len(powers) > ALL_LAMPS, samples.count
     most = count * _most_rays(lamps)
@@ -225,10 +226,10 @@ def _draw(points, lobes, lamps, powers, shares, samples, offset, first, rays, su
             p += 1
             continue
         sharp = (at.kind > DIFFUSE_LOBE or is_toon(at.rough)) and at.alpha < _NARROW
-        plain = at.rough[3] >= _ZERO or at.rough[3] == PHONG
-        near = plain and near_meshes(lamps, points.position, p)
+        of_facets = at.rough[3] >= _ZERO or at.rough[3] == PHONG
+        near = of_facets and near_meshes(lamps, points.position, p)
         if choose:
-            share_out(lamps, powers, points, p, at, shares)
+            share_out(lamps, powers, plain, points, p, at, shares)
         for k in range(count):
             number = samples.number[p] * count + k
             place = samples.columns[p], samples.rows[p], number, samples.seed
@@ -268,9 +269,10 @@ def add_lamp_light(
         np.empty((capacity, COLUMNS), np.float32),
     )
     powers, shares = powers_of(lamps), np.empty(n_lamps)
+    plain = plain_lamps(lamps, powers)
     offset, first, traced = np.float32(accel.offset), 0, 0
     while first < len(points.pixel):
-        own = points, lobes, lamps, powers, shares, samples, offset, first
+        own = points, lobes, lamps, powers, plain, shares, samples, offset, first
         first, n = _draw(*own, rays, sums)
         own = rays.origins[:n], rays.directions[:n], np.empty(n, np.uint8), rays.reach[:n]
         add_rays(lamps, rays, n, accel.occluded(*own, rays.lamp[:n]), sums)

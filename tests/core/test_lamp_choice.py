@@ -5,9 +5,10 @@ import pytest
 
 from iwis.core._jit import kernel
 from iwis.core.bsdf.lobes_at import lobes_at
-from iwis.core.data.lamps import RECTANGLE, SPHERE, SUN, make_lamps
+from iwis.core.data.lamps import DISC, RECTANGLE, SPHERE, SUN, make_lamps
 from iwis.core.lamplight.lamp_choice import ALL_LAMPS, powers_of, share_out
 from iwis.core.lamplight.lamp_cones import cone_factor, soft_cone_factor
+from iwis.core.lamplight.lamp_shares import PlainLamps, plain_lamps
 from support.lamp_points import sampled, seen_point
 from support.scenes import diffuse, glossy, principled
 from support.statistics import sidak, t_p_value
@@ -134,8 +135,20 @@ def test_gloss_is_lit_by_those_of_many_lamps_that_it_mirrors():
 
 
 @kernel
-def _share_out(lamps, powers, points, lobes, shares):
-    share_out(lamps, powers, points, 0, lobes_at(lobes, 0), shares)
+def _fill_shares(lamps, powers, plain, points, lobes, shares):
+    share_out(lamps, powers, plain, points, 0, lobes_at(lobes, 0), shares)
+
+
+def _share_out(lamps, points, lobes, together=True):
+    """float64 (n,): shares of the first point; together: of plain lamps by share_plain"""
+    powers = powers_of(lamps)
+    plain, shares = plain_lamps(lamps, powers), np.empty(len(powers))
+    if not together:
+        no = [column[:0] for column in plain[2:-1]]
+        every = np.arange(len(powers), dtype=np.int32)
+        plain = PlainLamps(every[:0], every, *no, plain.most)
+    _fill_shares(lamps, powers, plain, points, lobes, shares)
+    return shares
 
 
 @pytest.mark.parametrize(("material", "lit"), [("paint", True), ("matte", False)])
@@ -146,12 +159,9 @@ def test_lamps_below_the_shading_normal_light_gloss(material, lit):
     tilted = np.float32([[np.sin(0.3), 0.0, np.cos(0.3)]])
     places = [(3.0, 0.0, -0.3)] + [(0.1 * k, 1.0, 2.0) for k in range(ALL_LAMPS)]
     lamps = make_lamps([{"kind": SPHERE, "position": p, "radiance": 1.0} for p in places])
-    shares = np.empty(len(places))
-    own = lamps, powers_of(lamps), points
-    _share_out(*own, lobes._replace(glossy_normal=tilted), shares)
+    shares = _share_out(lamps, points, lobes._replace(glossy_normal=tilted))
     assert (shares[0] > 0.0) == lit and (shares[1:] > 0.0).all()
-    _share_out(*own, lobes, shares)
-    assert shares[0] == 0.0
+    assert _share_out(lamps, points, lobes)[0] == 0.0
 
 
 @pytest.mark.parametrize("far", [0.4, 0.01, 0.0])
@@ -164,14 +174,31 @@ def test_a_lamp_that_a_point_is_in_has_the_share_of_half_its_radius(far):
     def shares_of(z):
         ball = {"kind": SPHERE, "position": (0.0, 0.0, z), "size": (1.0, 0.0), "radiance": 0.01}
         rows = [ball] + [row | {"radiance": 1.0} for row in others]
-        lamps, shares = make_lamps(rows), np.empty(len(rows))
-        _share_out(lamps, powers_of(lamps), points, lobes, shares)
-        return shares
+        return _share_out(make_lamps(rows), points, lobes)
 
     found = shares_of(far)
     assert 0.0 < found[0] < found.sum()
     # The point lies on a floor at 0, but for what float32 rays of 10 m leave of it.
     np.testing.assert_allclose(found, shares_of(0.5), rtol=1e-5)
+
+
+@pytest.mark.parametrize("material", ["matte", "paint", "shiny", "mirror", "metal"])
+def test_plain_lamps_have_the_same_shares_together(material, rng):
+    """As one by one, but for float32: balls and discs of all sizes and powers, near and far, above
+    and below, among spots and areas; .1 % of a share, and of the largest where one is sharp."""
+    own = {"matte": MATTE, "mirror": glossy(0.0, (1.0, 1.0, 1.0)), "metal": glossy(0.3, (0.9,) * 3)}
+    points, lobes, _ = seen_point((MATERIALS | own)[material])
+    rows = _turned_spots(rng, 8) + _ceiling()[:8]
+    for kind in (SPHERE, DISC):
+        for far in 10.0 ** rng.uniform(-1.0, 3.0, 100):
+            place, size = rng.normal(size=3), (rng.choice([0.0, 0.3, 2.0]) * far, 0.0)
+            place *= far / np.linalg.norm(place)
+            ball = {"kind": kind, "position": place, "size": size}
+            rows.append(ball | {"radiance": 10.0 ** rng.uniform(-3.0, 3.0)})
+    lamps = make_lamps(rows)
+    found, expected = (_share_out(lamps, points, lobes, way) for way in (True, False))
+    assert len(plain_lamps(lamps, powers_of(lamps)).row) == 200 and (expected > 0.0).any()
+    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-3 * expected.max())
 
 
 def test_powers_are_intensities_and_a_suns_irradiance():
