@@ -9,7 +9,38 @@ _RAY_OUTPUTS = {"Incoming", "Backfacing", "Ray Length", "Ray Depth", "Transparen
 COORDINATES = ("ShaderNodeTexCoord", "ShaderNodeNewGeometry", "ShaderNodeObjectInfo")
 # Kinds that look at nothing but values at the corners; images do if their coordinates do.
 _OF_CORNERS = ("ShaderNodeUVMap", "ShaderNodeVertexColor", "attribute")
-_WEIGHTS = ("weigh", "product", "sum", "scale", "convert")
+# Nodes whose outputs depend on nothing but their inputs.
+PURE = {
+    "ShaderNodeMath",
+    "ShaderNodeVectorMath",
+    "ShaderNodeClamp",
+    "ShaderNodeMapRange",
+    "ShaderNodeCombineXYZ",
+    "ShaderNodeSeparateXYZ",
+    "ShaderNodeMix",
+    "ShaderNodeMixRGB",
+    "ShaderNodeHueSaturation",
+    "ShaderNodeBrightContrast",
+    "ShaderNodeGamma",
+    "ShaderNodeInvert",
+    "ShaderNodeRGBToBW",
+    "ShaderNodeSeparateColor",
+    "ShaderNodeCombineColor",
+    "ShaderNodeMapping",
+    "ShaderNodeVectorRotate",
+}
+# Operations that know nothing but their inputs.
+BY_INPUTS = PURE | {
+    "ShaderNodeValToRGB",
+    "ShaderNodeRGBCurve",
+    "ShaderNodeVectorCurve",
+    "ShaderNodeFloatCurve",
+    "convert",
+    "scale",
+    "product",
+    "weigh",
+    "sum",
+}
 _AROUND = ("ShaderNodeAmbientOcclusion", "ShaderNodeBevel")
 
 
@@ -50,15 +81,10 @@ def _is_of_angle(op: Op) -> bool:
 
 def passes_alike(program: Program) -> bool:
     """Whether it lets as much through everywhere, of rays that meet it at one angle."""
-    return all(map(_is_everywhere, ops_behind(program, program.transparent)))
-
-
-def _is_everywhere(op: Op) -> bool:
-    """Whether an operation makes of the same inputs the same everywhere."""
-    if op.kind in _OF_CORNERS or op.kind.startswith("ShaderNodeTex"):
-        return False
-    plain = op.kind.startswith("ShaderNode") and "outputs" not in op.settings
-    return plain or op.kind in _WEIGHTS or _is_of_angle(op) or op.kind == "ShaderNodeLightPath"
+    return all(
+        op.kind in BY_INPUTS or op.kind == "ShaderNodeLightPath" or _is_of_angle(op)
+        for op in ops_behind(program, program.transparent)
+    )
 
 
 def is_of_corners(op: Op) -> bool:

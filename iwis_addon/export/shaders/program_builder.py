@@ -10,12 +10,13 @@ import bpy
 import numpy as np
 
 from ....core.data.program import Op, Program, Ref, Value
+from ....core.data.program_ops import PURE
 from ....core.nodes import FUNCTIONS
 from ....core.nodes.wireframe import OF_ELEMENTS
 from ..images.color_spaces import luminance_of_channels
 from ..objects.origins import ORIGIN, PARTICLE
 from .node_values import NodeReader, follow
-from .program_nodes import HANDLERS, PURE, SETTINGS
+from .program_nodes import HANDLERS, SETTINGS
 from .seen_tree import name_of
 
 _TYPES = {

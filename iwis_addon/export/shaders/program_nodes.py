@@ -62,26 +62,6 @@ SETTINGS = {
     "ShaderNodeTexWhiteNoise": ("noise_dimensions",),
     "ShaderNodeWireframe": ("use_pixel_size",),
 }
-# Nodes whose outputs depend on nothing but their inputs.
-PURE = {
-    "ShaderNodeMath",
-    "ShaderNodeVectorMath",
-    "ShaderNodeClamp",
-    "ShaderNodeMapRange",
-    "ShaderNodeCombineXYZ",
-    "ShaderNodeSeparateXYZ",
-    "ShaderNodeMix",
-    "ShaderNodeMixRGB",
-    "ShaderNodeHueSaturation",
-    "ShaderNodeBrightContrast",
-    "ShaderNodeGamma",
-    "ShaderNodeInvert",
-    "ShaderNodeRGBToBW",
-    "ShaderNodeSeparateColor",
-    "ShaderNodeCombineColor",
-    "ShaderNodeMapping",
-    "ShaderNodeVectorRotate",
-}
 _TABLE = 257  # values of a ramp or curve, as in Cycles: every 1/256
 
 

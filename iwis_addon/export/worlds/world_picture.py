@@ -12,27 +12,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ....core.data.program import Op, Ref, WorldProgram
+from ....core.data.program_ops import BY_INPUTS
 from ....core.nodes.world import DIRECTION, ENVIRONMENT
 from ....core.nodes.world_map import evaluate_map, evaluate_texels, reached_ops
 from ....core.scene import CLOSEST, EQUIRECTANGULAR, LINEAR, EnvironmentMap
-from ..shaders.program_nodes import PURE
 from .world_tree import WorldTree
 
 # Rows of a map at the least, 0.18 degrees each, and in a window, where a tree is edited and seen at
 # once: cameras do not look at it (backdrop_of). And at the most: 400 MB.
 LEAST_HEIGHT, LEAST_IN_WINDOW, MOST_HEIGHT = 1024, 512, 4096
-# Operations that know nothing but their inputs.
-_BY_INPUTS = PURE | {
-    "ShaderNodeValToRGB",
-    "ShaderNodeRGBCurve",
-    "ShaderNodeVectorCurve",
-    "ShaderNodeFloatCurve",
-    "convert",
-    "scale",
-    "product",
-    "weigh",
-    "sum",
-}
 # Of directions, without edges.
 _SMOOTH = {
     DIRECTION,
@@ -131,7 +119,7 @@ def _is_of_texels(ops: dict[int, Op], images: list[EnvironmentMap]) -> bool:
     looked_up = {row for row, op in ops.items() if op.kind == ENVIRONMENT}
     if any(op.inputs for row, op in ops.items() if row in looked_up):
         return False
-    if not all(op.kind in _BY_INPUTS for row, op in ops.items() if row not in looked_up):
+    if not all(op.kind in BY_INPUTS for row, op in ops.items() if row not in looked_up):
         return False
     return len({_place(image) for image in images}) == 1
 
@@ -229,4 +217,4 @@ def _has_edges(op: Op, ops: dict[int, Op], height: int) -> bool:
         return _finest_wave(op, ops) < _WAVE * np.pi / height
     if op.kind == "ShaderNodeTexGradient":
         return settings["gradient_type"] == "RADIAL"
-    return op.kind not in _BY_INPUTS and op.kind not in _SMOOTH
+    return op.kind not in BY_INPUTS and op.kind not in _SMOOTH
