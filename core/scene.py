@@ -194,8 +194,7 @@ class Camera:
     """Where rays start, and the part of the frame that is wanted.
 
     kind: PERSPECTIVE, ORTHOGRAPHIC or PANORAMIC
-    camera_to_world: float64 (4, 4), axes of length 1, which are at right angles but under a parent
-        that is scaled unevenly; the camera looks along its -z, y up
+    camera_to_world: float64 (4, 4), unit axes, askew at times; it looks along its -z, y up
     window: (left, right, bottom, top) of the whole frame: on the plane z = -1 for PERSPECTIVE,
         in metres for ORTHOGRAPHIC; lens shift, sensor fit and pixel aspect are in it. PANORAMIC: of
         the panorama's unit square

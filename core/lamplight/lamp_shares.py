@@ -6,7 +6,6 @@ In float32: only how often a lamp is drawn depends on it.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from ..bsdf.microfacet import MIN_ALPHA
 from ..data.lamps import DISC, EVERYWHERE, MESH, SPHERE, Lamps
 
 LEAST_COSINE, LEAST_SHARE, LEAST_SQUARED = 0.1, 0.1, 1e-12
-_ZERO, _ONE, _PI = np.float32(0.0), np.float32(1.0), np.float32(math.pi)
+_ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 _LEAST_COSINE, _LEAST_SHARE = np.float32(LEAST_COSINE), np.float32(LEAST_SHARE)
 _HALF, _QUARTER = np.float32(0.5), np.float32(0.25)
 _SLACK = np.float32(1e-5)  # of a cosine: a lamp that just rises over a surface is not left out
@@ -84,14 +83,20 @@ def share_plain(plain, at, x, y, z):
     _share_glossy(plain, px, py, pz, *own, scale, matte, gloss)
 
 
+@kernel(forceinline=True)
+def _seen_from(plain, k, px, py, pz, normal, m):
+    """Where lamp k is from a point, metres; one over how far; about its cosine to both normals."""
+    x, y, z = plain.x[k] - px, plain.y[k] - py, plain.z[k] - pz
+    by = _ONE / np.sqrt(max(x * x + y * y + z * z, plain.least[k]))
+    height = normal[0] * x + normal[1] * y + normal[2] * z
+    height = max(height, m[0] * x + m[1] * y + m[2] * z)
+    return x, y, z, by, (height + plain.extent[k]) * by
+
+
 @kernel
 def _share_matte(plain, px, py, pz, normal, m):
     for k in range(len(plain.x)):
-        x, y, z = plain.x[k] - px, plain.y[k] - py, plain.z[k] - pz
-        by = _ONE / np.sqrt(max(x * x + y * y + z * z, plain.least[k]))
-        height = normal[0] * x + normal[1] * y + normal[2] * z
-        height = max(height, m[0] * x + m[1] * y + m[2] * z)
-        cosine = (height + plain.extent[k]) * by
+        _, _, _, by, cosine = _seen_from(plain, k, px, py, pz, normal, m)
         bring = max(min(cosine, _ONE), _LEAST_COSINE) if cosine > -_SLACK else _ZERO
         plain.share[k] = plain.power[k] * by * by * bring
 
@@ -101,11 +106,7 @@ def _share_glossy(plain, px, py, pz, normal, m, wo, cos_o, alpha2, scale, matte,
     twice = cos_o + cos_o
     rx, ry, rz = twice * m[0] - wo[0], twice * m[1] - wo[1], twice * m[2] - wo[2]
     for k in range(len(plain.x)):
-        x, y, z = plain.x[k] - px, plain.y[k] - py, plain.z[k] - pz
-        by = _ONE / np.sqrt(max(x * x + y * y + z * z, plain.least[k]))
-        height = normal[0] * x + normal[1] * y + normal[2] * z
-        height = max(height, m[0] * x + m[1] * y + m[2] * z)
-        cosine = (height + plain.extent[k]) * by
+        x, y, z, by, cosine = _seen_from(plain, k, px, py, pz, normal, m)
         risen = cosine > -_SLACK
         cosine = max(min(cosine, _ONE), _LEAST_COSINE)
         # The ball's edge that is nearest to the mirrored direction, or that.

@@ -31,3 +31,14 @@ def dress(obj, kind="ShaderNodeTexNoise", output="Color"):
     node = tree.nodes.new(kind)
     tree.links.new(node.outputs[output], emission.inputs["Color"])
     return node
+
+
+def add_light(kind, name="Lamp", **settings):
+    """A light object at (1, 2, 3). settings: of the light, or of the object where it has them"""
+    light = bpy.data.lights.new(f"{name} data", kind)
+    obj = bpy.data.objects.new(name, light)
+    obj.location = 1.0, 2.0, 3.0
+    for key, value in settings.items():
+        setattr(light if hasattr(light, key) else obj, key, value)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
